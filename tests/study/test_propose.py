@@ -8,6 +8,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.editing.propose import (
     Guess,
+    GuessedScale,
     NewFile,
     guess_of,
     named_file,
@@ -228,7 +229,9 @@ def test_a_file_that_cannot_be_read_is_left(tmp_path) -> None:
 
 
 def test_guesses_say_so() -> None:
-    guess = Guess(uses=("observation", "photograph"), sure=False, scales={"observation": ("500 ppi", "why")})
+    guess = Guess(
+        uses=("observation", "photograph"), sure=False, scales={"observation": GuessedScale("500 ppi", "why")}
+    )
     assert with_guess(NewFile(file="a.png"), guess).guessed == ("use", "scale")
     named = NewFile(file="a.png", scale="reader", face="palmar")
     assert with_guess(named, guess).guessed == ("use",)

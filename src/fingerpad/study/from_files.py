@@ -141,4 +141,4 @@ def _guesses(new: NewFile, guess: Guess) -> Iterator[str]:
     if "face" in new.guessed:
         yield f"{new.file}: its face is taken as {new.face}"
     if "scale" in new.guessed:
-        yield f"{new.file}: {guess.scales[new.use][1]}"
+        yield f"{new.file}: {guess.scales[new.use].why}"

@@ -5,10 +5,11 @@ from collections.abc import AsyncIterator
 from threading import Lock
 from typing import Final, Literal
 
+from fastapi.sse import ServerSentEvent
+
 from fingerpad._json import dumps
 from fingerpad.web.answers import Answer
 
-_KEEP_ALIVE_S: Final = 15.0
 _MAX_WAITING: Final = 200
 
 
@@ -53,45 +54,39 @@ class Events:
     """Events for all listeners, sent from any thread."""
 
     def __init__(self) -> None:
-        self._listeners: dict[asyncio.Queue[str | None], asyncio.AbstractEventLoop] = {}
+        self._listeners: dict[asyncio.Queue[ServerSentEvent | None], asyncio.AbstractEventLoop] = {}
         self._lock = Lock()
 
     def send(self, event: Answer) -> None:
         """Send an event to all listeners."""
-        self._put_all(f"event: {_NAMES[type(event)]}\ndata: {dumps(event)}\n\n")
+        self._put_all(ServerSentEvent(event=_NAMES[type(event)], raw_data=dumps(event)))
 
     def end(self) -> None:
         """Disconnect all listeners, so that the server can stop."""
         self._put_all(None)
 
-    def _put_all(self, message: str | None) -> None:
+    def _put_all(self, message: ServerSentEvent | None) -> None:
         with self._lock:
             listeners = list(self._listeners.items())
         for queue, loop in listeners:
             if not loop.is_closed():
                 loop.call_soon_threadsafe(_put, queue, message)
 
-    async def listen(self) -> AsyncIterator[str]:
-        """Yield events as they come, and comments in between to keep the connection open."""
-        queue: asyncio.Queue[str | None] = asyncio.Queue(_MAX_WAITING)
+    async def listen(self) -> AsyncIterator[ServerSentEvent]:
+        """Yield events as they come."""
+        queue: asyncio.Queue[ServerSentEvent | None] = asyncio.Queue(_MAX_WAITING)
         with self._lock:
             self._listeners[queue] = asyncio.get_running_loop()
         try:
-            yield ": here\n\n"
-            while True:
-                try:
-                    message = await asyncio.wait_for(queue.get(), _KEEP_ALIVE_S)
-                except TimeoutError:
-                    message = ": still here\n\n"
-                if message is None:
-                    return
+            yield ServerSentEvent(comment="here")
+            while (message := await queue.get()) is not None:
                 yield message
         finally:
             with self._lock:
                 del self._listeners[queue]
 
 
-def _put(queue: asyncio.Queue[str | None], message: str | None) -> None:
+def _put(queue: asyncio.Queue[ServerSentEvent | None], message: ServerSentEvent | None) -> None:
     """Add a message; a listener that does not keep up loses the oldest ones."""
     if queue.full():
         queue.get_nowait()

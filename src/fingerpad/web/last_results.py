@@ -98,7 +98,7 @@ def require_file(opened: StudySession, name: str) -> None:
 
 def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
-    finger = next((one for one in opened.study().fingers if one.name == name), None)
+    finger = opened.finger(name)
     if finger is None:
         return None
     if finger.semi_axes_mm is not None:

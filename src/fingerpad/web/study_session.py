@@ -5,18 +5,31 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from threading import Lock
-from typing import Any, Final, TypeAlias, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar, cast
 from urllib.parse import quote
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
-from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
+from fingerpad.study.corrections.items import (
+    CORRECTIONS_NAME,
+    SECOND_OPERATOR_NAME,
+    parts_of_item,
+    sequence_of_phases,
+)
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
-from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, file_inside, is_as_read, load_study
+from fingerpad.study.manifest.load import (
+    STUDY_NAME,
+    Kind,
+    LoadedStudy,
+    Table,
+    file_inside,
+    is_as_read,
+    load_study,
+)
 from fingerpad.study.manifest.messages import Fault, validated
 from fingerpad.study.manifest.models import (
     Contact,
@@ -161,25 +174,28 @@ class StudySession:
                 observations.append(Observation.model_construct(None, **{**one.content, "name": one.key}))
         return study.model_copy(update={"fingers": fingers, "observations": observations})
 
+    def finger(self, name: str) -> Finger | None:
+        """Return a finger by its name, None where it is incomplete."""
+        return cast(Finger | None, self._complete("finger", name))
+
     def contact(self, item: str) -> tuple[Contact, bool]:
         """Return the table of a contact image, or of a frame's sequence, and whether it is complete.
 
         One that is incomplete can be measured if its scale is known. Placeholders stand for its finger, angle
         and load, which no model may use.
         """
-        name, mark, _ = frame_of(item)
-        if mark:
-            sequence = self.sequence(name)
-            return sequence, sequence in self.study().sequences
-        found = next((one for one in self.study().observations if one.name == name), None)
+        kind, name, _ = parts_of_item(item)
+        if kind == "frame":
+            return self.sequence(name), self._complete("sequence", name) is not None
+        found = cast(Observation | None, self._complete("observation", name))
         return found or self._draft("observation", name, Observation), found is not None
 
     def sequence(self, name: str) -> ContactSequence:
         """Return a sequence by its name; of one that is incomplete the force may be empty."""
-        found = next((one for one in self.study().sequences if one.name == name), None)
+        found = cast(ContactSequence | None, self._complete("sequence", name))
         return found or self._draft("sequence", name, ContactSequence)
 
-    def _draft(self, kind: str, name: str, model: type[Drafted]) -> Drafted:
+    def _draft(self, kind: Kind, name: str, model: type[Drafted]) -> Drafted:
         """Return an incomplete contact with placeholders for what its picture is measured without."""
         content = self._content(kind, name)
         if not content.get("file"):
@@ -191,30 +207,24 @@ class StudySession:
             content = {"force": "", **content}
         return validated(model, {**content, **needed, "name": name}, name, strict=False)
 
+    def photograph(self, item: str) -> tuple[Finger | None, Photograph]:
+        """Return a photograph by finger and file, and its finger, None where that is incomplete."""
+        _, name, file = parts_of_item(item)
+        found = next((one for one in self._photographs(name) if one.get("file") == file), None)
+        if found is None:
+            raise RequestError.not_there(f"no item is named {item!r}")
+        if found.get("face") is None:
+            raise RequestError.impossible("state which face the photograph shows")
+        if found.get("scale") is None:
+            raise RequestError.impossible("state the scale of the photograph")
+        return self.finger(name), validated(Photograph, found, item, strict=False)
+
     def sequence_file(self, name: str) -> str:
         """Return the file or folder of a sequence."""
         file = self._named("sequence", name, "file")
         if file is None:
             raise RequestError.not_there(f"no sequence is named {name!r}")
         return file
-
-    def photograph(self, item: str) -> tuple[Finger | None, Photograph]:
-        """Return a photograph by finger and file, and its finger, None where that is incomplete."""
-        name, _, file = item.partition("/")
-        for finger in (one for one in self.study().fingers if one.name == name):
-            for photograph in (one for one in finger.photographs if one.file == file):
-                return finger, photograph
-        photographs = self._content("finger", name).get("photographs", [])
-        found = next((one for one in photographs if one.get("file") == file), None)
-        if found is None:
-            raise RequestError.not_there(f"no item is named {item!r}")
-        for key, words in (
-            ("face", "which face the photograph shows"),
-            ("scale", "the scale of the photograph"),
-        ):
-            if found.get(key) is None:
-                raise RequestError.impossible(f"state {words}")
-        return None, validated(Photograph, found, item, strict=False)
 
     def count_frames(self, name: str) -> int | None:
         """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
@@ -230,38 +240,45 @@ class StudySession:
         """Return the location of an item's image; only files named by the manifest."""
         if item.startswith("file:"):
             return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
-        name, mark, number = frame_of(item)
+        kind, name, part = parts_of_item(item)
         if item.startswith("coin:"):
             file = self._named("scale", item.removeprefix("coin:"), "coin")
-        elif "/" in item:
-            finger, _, image = item.partition("/")
-            names = {one.get("file") for one in self._content("finger", finger).get("photographs", [])}
-            file = image if image in names else None
+        elif kind == "photograph":
+            file = part if any(one.get("file") == part for one in self._photographs(name)) else None
         else:
-            file = self._named("sequence" if mark else "observation", name, "file")
+            file = self._named("observation" if kind == "observation" else "sequence", name, "file")
         if file is None:
             raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
-        if not mark:
-            return ImageLocation(self.file(file), colour="/" in item)
-        if not number.isdecimal() or len(number) > 9:
+        if kind in {"observation", "photograph"}:
+            return ImageLocation(self.file(file), colour=kind == "photograph")
+        if not part.isdecimal() or len(part) > 9:
             raise RequestError.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
-        return ImageLocation(self.sequence_path(file), frame=int(number))
+        return ImageLocation(self.sequence_path(file), frame=int(part))
 
-    def _named(self, kind: str, key: str, place: str) -> str | None:
+    def _named(self, kind: Kind, key: str, place: str) -> str | None:
         file = self._content(kind, key).get(place)
         return file if isinstance(file, str) else None
 
-    def _content(self, kind: str, key: str) -> Mapping[str, Any]:
-        """Return a table of the manifest, empty where there is none."""
-        tables = (one for one in self.read().tables if (one.kind, one.key) == (kind, key))
-        return next((table_content(one) for one in tables), {})
+    def _photographs(self, finger: str) -> list[dict[str, Any]]:
+        return cast(list[dict[str, Any]], self._content("finger", finger).get("photographs", []))
+
+    def _content(self, kind: Kind, key: str) -> dict[str, Any]:
+        """Return what a table of the manifest states, nothing where there is none."""
+        table = self._table(kind, key)
+        return {} if table is None else table_content(table)
+
+    def _complete(self, kind: Kind, key: str) -> ManifestModel | None:
+        """Return a table that is complete, None where there is none."""
+        table = self._table(kind, key)
+        return table.model if table is not None and table.complete else None
+
+    def _table(self, kind: Kind, key: str) -> Table | None:
+        return next((one for one in self.read().tables if (one.kind, one.key) == (kind, key)), None)
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""
-        if sequence_of_phases(item) is not None:
-            return None
-        name, mark, _ = frame_of(item)
-        if "/" not in item and not mark and self._named("observation", name, "file") is None:
+        kind, name, _ = parts_of_item(item)
+        if kind == "phases" or (kind == "observation" and self._named("observation", name, "file") is None):
             return None
         place = self.image_location(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
@@ -341,17 +358,6 @@ class StudySession:
 def contact_of_file(file: str, scale: ScaleKey) -> Observation:
     """Return a new file as a contact image, which no model may use either."""
     return Observation(name="new", file=file, scale=scale, **_PLACEHOLDERS)
-
-
-def frame_of(item: str) -> tuple[str, str, str]:
-    """Return the sequence, the mark ``#`` and the number of a frame; of other items the name alone.
-
-    The files of photographs and new files may have the mark in their names.
-    """
-    if "/" in item or item.startswith("file:"):
-        return item, "", ""
-    name, mark, number = item.rpartition("#")
-    return (name, mark, number) if mark else (item, "", "")
 
 
 def table_content(table: Table) -> dict[str, Any]:

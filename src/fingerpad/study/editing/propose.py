@@ -89,6 +89,14 @@ class NewFile:
     guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
+@dataclass(frozen=True, slots=True)
+class GuessedScale:
+    """A scale that may hold, and why."""
+
+    scale: str
+    why: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guess:
     """What a new file may be, from its content and its name."""
@@ -97,8 +105,7 @@ class Guess:
     sure: bool  # whether no other use is at all likely
     face: Face | None = None
     face_sure: bool = False
-    # By use, the scale that may hold and why; nothing where none is proposed.
-    scales: Mapping[Use, tuple[str, str]] = field(default_factory=dict)
+    scales: Mapping[Use, GuessedScale] = field(default_factory=dict)  # by use
     stated: str = ""  # the scale in its file, proposed or not
 
 
@@ -144,10 +151,10 @@ def guess_of(found: FileIdentity, scales: Mapping[str, Mapping[str, Any]]) -> Gu
 
 def _guessed_scales(
     ppi: float | None, scales: Mapping[str, Mapping[str, Any]]
-) -> Iterator[tuple[Use, tuple[str, str]]]:
+) -> Iterator[tuple[Use, GuessedScale]]:
     if len(scales) == 1:
         ((name, table),) = scales.items()
-        only = (name, f"scale {name}, the only one of the study")
+        only = GuessedScale(name, f"scale {name}, the only one of the study")
         yield "observation", only
         yield "sequence", only
         if table.keys().isdisjoint({"ppi", "mm_per_px"}):
@@ -155,10 +162,10 @@ def _guessed_scales(
     elif ppi is not None and ppi > _SCREEN_PPI:
         same = [name for name, table in scales.items() if abs(_ppi(table) - ppi) < _SAME_PPI]
         if same:
-            yield "observation", (same[0], f"scale {same[0]}, with the resolution in its file")
+            yield "observation", GuessedScale(same[0], f"scale {same[0]}, with the resolution in its file")
         else:
             written = f"{round(ppi, 1):g} ppi"
-            yield "observation", (written, f"{written} as its file says")
+            yield "observation", GuessedScale(written, f"{written} as its file says")
 
 
 def _ppi(table: Mapping[str, Any]) -> float:
@@ -172,7 +179,7 @@ def with_guess(new: NewFile, guess: Guess) -> NewFile:
     if use == "photograph" and face is None and (face := guess.face) and not guess.face_sure:
         guessed.append("face")
     if use in guess.scales and not scale:
-        scale, _ = guess.scales[use]
+        scale = guess.scales[use].scale
         guessed.append("scale")
     return replace(new, use=use, face=face, scale=scale, guessed=tuple(guessed))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 from fingerpad._columns import NAMES
 from fingerpad._tables import TABLE_SUFFIXES, Table, parse_table, read_table
@@ -53,7 +53,8 @@ _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
 _OTHERS: Final = frozenset(("std", "sd", "uncertainty", "rate", "time", "speed", "roll", "size", "date"))
 
 
-class FileColumn(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class FileColumn:
     """A column: its header, its meaning, None where unknown, and its unit."""
 
     header: str

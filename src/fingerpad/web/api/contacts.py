@@ -27,6 +27,7 @@ from fingerpad.study.corrections.apply import (
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.items import parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
@@ -49,7 +50,7 @@ from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import item_row, known_finger, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.study_session import StudySession, contact_of_file, frame_of
+from fingerpad.web.study_session import StudySession, contact_of_file
 
 router = study_router()
 
@@ -259,11 +260,10 @@ class _Image:
 
     def correction(self) -> ContactCorrection:
         """Return what holds: a person's correction, or what key frames carry to a frame."""
-        name, mark, number = frame_of(self.item)
-        if not mark:
+        if not isinstance(self.contact, ContactSequence):
             return contact_correction(self.opened.corrections.active_correction(self.item))
-        frame = int(number)
-        active = self.opened.corrections.active_corrections()
+        _, name, number = parts_of_item(self.item)
+        frame, active = int(number), self.opened.corrections.active_corrections()
         return contact_correction(frame_corrections(active, name, range(frame, frame + 1)).get(frame))
 
     def prepared(self, change: ContactCorrection) -> PreparedContactImage:

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field
 
-from fingerpad.study.editing.edit import Edit
 from fingerpad.study.editing.propose import (
+    Guess,
     NewFile,
+    Proposal,
     Use,
     guess_of,
     proposed_edits,
@@ -16,6 +17,7 @@ from fingerpad.study.editing.propose import (
     written_scale,
 )
 from fingerpad.study.imports.identify import (
+    FileColumn,
     FileIdentity,
     identify_file,
     join_files,
@@ -44,34 +46,13 @@ class FileParams(Params):
     file: FileName
 
 
-class GuessedScale(Answer):
-    """A scale that may hold, and why."""
-
-    scale: str
-    why: str
-
-
-class FileGuess(Answer):
-    """What a new file may be used as, most likely first, its face if a photograph, and scales by use."""
-
-    file: str
-    uses: list[Use]
-    sure: bool
-    face: Face | None
-    face_sure: bool
-    scales: dict[str, GuessedScale]
-    stated: str
-
-
 @router.get("/files/identity")
-def identity(opened: Opened, params: Query[FileParams]) -> FileGuess:
+def identity(opened: Opened, params: Query[FileParams]) -> Guess:
     """Guess what a file is."""
     place = ImageLocation(opened.file(params.file))
     with _READING:
         found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
-    guess = guess_of(found, _scales(opened.read()))
-    scales = {use: GuessedScale(scale=scale, why=why) for use, (scale, why) in guess.scales.items()}
-    return FileGuess.of(guess, file=params.file, scales=scales)
+    return guess_of(found, _scales(opened.read()))
 
 
 def _scales(loaded: LoadedStudy) -> dict[str, Any]:
@@ -108,14 +89,6 @@ class StatedFile(Answer):
     problem: str
 
 
-class TableColumn(Answer):
-    """A column of a spreadsheet; its meaning is null where it is not understood."""
-
-    header: str
-    meaning: str | None
-    unit: str | None
-
-
 class TableRow(Answer):
     """A row of a spreadsheet that names no new file, or one that another row names too."""
 
@@ -126,7 +99,7 @@ class TableRow(Answer):
 class JoinedTable(Answer):
     """A spreadsheet joined to new files."""
 
-    columns: list[TableColumn]
+    columns: tuple[FileColumn, ...]
     files: list[StatedFile]
     rows_without_file: list[TableRow]
     files_without_row: list[str]
@@ -147,7 +120,7 @@ def join(opened: Opened, params: Body[TableParams]) -> JoinedTable:
     problems = {id(row.values): row.problems for row in table.rows}
     return JoinedTable.of(
         found,
-        columns=[TableColumn.of(column) for column in table.columns],
+        columns=table.columns,
         files=[
             _stated(scales, new[file], values, problems[id(values)]) for file, values in found.values.items()
         ],
@@ -214,15 +187,7 @@ class ProposalParams(Params):
     synthetic: bool = False
 
 
-class ProposedEdits(Answer):
-    """The edits that add new files, how many of these they add, and those whose finger is not known."""
-
-    edits: list[Edit]
-    added: int
-    waiting: list[str]
-
-
 @router.post("/files/edits")
-def edits(opened: Opened, params: Body[ProposalParams]) -> ProposedEdits:
+def edits(opened: Opened, params: Body[ProposalParams]) -> Proposal:
     """Return the edits that add new files to the study; nothing is written."""
-    return ProposedEdits.of(proposed_edits(opened.read(), params.files, synthetic=params.synthetic))
+    return proposed_edits(opened.read(), params.files, synthetic=params.synthetic)

@@ -3,6 +3,7 @@
 import math
 import time
 from dataclasses import replace
+from functools import lru_cache
 from typing import Final, Literal
 
 import numpy as np
@@ -42,8 +43,7 @@ router = study_router()
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
-# By the identity of a fit, which the value keeps.
-_RADII: Final[Cache[tuple[PhotographFit, tuple[tuple[float, float, float], ...]]]] = Cache(60, lambda _: 1)
+_outline_radii: Final = lru_cache(maxsize=60)(outline_radii)  # once for each fit that is kept
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
@@ -260,9 +260,9 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
 
     None where it has neither; raises `FingerpadError` where its photographs cannot be measured.
     """
-    finger = next((one for one in opened.study().fingers if one.name == name), None)
-    if finger is None or (found := known_finger(opened, name)) is not None:
-        return found if finger is not None else None
+    found, finger = known_finger(opened, name), opened.finger(name)
+    if found is not None or finger is None:
+        return found
     faces = _faces(opened, finger)
     sides = (
         _outline_radii(_stored_fit(opened, item, one))
@@ -270,11 +270,6 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
         if one.outline is None and (item := photograph_item(finger, one)) in faces
     )
     return finger_from_faces(finger, combine_faces(faces.values()), sides)
-
-
-def _outline_radii(fit: PhotographFit) -> tuple[tuple[float, float, float], ...]:
-    """Return the radii of a photograph's outline, once for each fit that is kept."""
-    return _RADII.get(id(fit), lambda: (fit, outline_radii(fit)))[1]
 
 
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> CombinedFaces:

@@ -140,21 +140,18 @@ def _grid(grid: Grid) -> GridMeasurement:
 def _circle(table: CircleScale) -> CoinOutline:
     centre, radius, weights = circle_through([(row, column) for row, column in table.circle])
     outline = ImageEllipse(centre=(float(centre[0]), float(centre[1])), semi_axes=(radius, radius))
-    return CoinOutline.of(
-        outline_px=outline.points(_OUTLINE_POINTS).round(2),
-        radius_px=radius,
-        radius_px_std=table.points_px_std * float(np.linalg.norm(weights)),
-    )
+    return _outline(outline, table.points_px_std * float(np.linalg.norm(weights)))
 
 
 def _coin(coin: Coin) -> CoinOutline:
     axes = (coin.semi_major, coin.semi_minor)
     outline = ImageEllipse(centre=coin.centre, semi_axes=axes, orientation=coin.orientation)
-    return CoinOutline.of(
-        outline_px=outline.points(_OUTLINE_POINTS).round(2),
-        radius_px=coin.semi_major,
-        radius_px_std=coin.semi_major_std,
-    )
+    return _outline(outline, coin.semi_major_std)
+
+
+def _outline(found: ImageEllipse, radius_std: float) -> CoinOutline:
+    points = found.points(_OUTLINE_POINTS).round(2)
+    return CoinOutline.of(outline_px=points, radius_px=found.semi_axes[0], radius_px_std=radius_std)
 
 
 class RectifyParams(Params):

@@ -1,12 +1,12 @@
 """Create, open, edit and run studies, and hear what has changed."""
 
 import os
+from collections.abc import AsyncIterator
 from http import HTTPStatus
 from typing import Annotated
 
-from fastapi import Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
 from pydantic import Field
-from starlette.responses import StreamingResponse
 
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.edit import Edit, create_study
@@ -142,20 +142,15 @@ def edit(opened: Opened, params: Body[EditsParams]) -> State:
     return state_of(opened)
 
 
-class EventStream(StreamingResponse):
-    """Server-sent events."""
-
-    media_type = "text/event-stream"
-
-
 @router.get(
     "/events",
-    response_class=EventStream,
+    response_class=EventSourceResponse,
     responses={200: {"model": StudyEvent | CorrectionsEvent | RunStatus}},
 )
-async def listen(opened: Opened) -> Response:
+async def listen(opened: Opened) -> AsyncIterator[ServerSentEvent]:
     """Stream events, each with its kind: ``study``, ``corrections`` or ``run``."""
-    return EventStream(opened.events.listen())
+    async for event in opened.events.listen():
+        yield event
 
 
 @router.post("/run", status_code=HTTPStatus.ACCEPTED)
