@@ -236,6 +236,7 @@ def test_ellipse_agrees_with_a_second_implementation():
     found = measure_contact_image(render_contact_image(seed=2, orientation=-0.7).pixels, PPI_500)
     props = regionprops(label(found.region))[0]
     assert found.orientation == pytest.approx(props.orientation, abs=2e-3)
+    assert found.as_record()["orientation_deg"] == pytest.approx(math.degrees(found.orientation))
     assert found.gross_area == pytest.approx(props.area * 0.0508**2, rel=2e-3)
     assert found.ridge_area == pytest.approx(found.ridges.sum() * 0.0508**2, rel=0.04)
     assert float(found.ellipse.semi_major) == pytest.approx(props.axis_major_length / 2 * 0.0508, rel=0.01)

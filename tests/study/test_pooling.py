@@ -184,6 +184,8 @@ def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
     places = inputs.places(["contact_radius", "elongation"])
     expected = np.hypot(0.1 / 7, 0.1 / 5)
     np.testing.assert_allclose(inputs.std[0, places], [0.5 * np.sqrt(35) * expected, expected], rtol=1e-9)
+    (row,) = records(model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a")]).table)
+    assert [row[f"semi_{axis}_mm_noise_std"] for axis in ("major", "minor")] == pytest.approx([0.1, 0.1])
 
 
 def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
