@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -303,6 +303,13 @@ def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder: Path) -
     result = run_study(folder / "study.toml", folder / "out")
     assert len(result.rows) == COUNT - 1
     assert result.notes == ()
+
+
+def test_a_damaged_state_of_a_result_is_as_good_as_none(folder: Path, rows: list[dict]) -> None:
+    with closing(sqlite3.connect(folder / "out" / STORE_NAME)) as connection, connection:
+        connection.execute("UPDATE result SET status = 'dnne' WHERE task = 'o2'")
+    assert study_status(folder / "study.toml", folder / "out").left == 1
+    assert list(records(run_study(folder / "study.toml", folder / "out").rows)) == rows
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(60, marks=pytest.mark.nightly)])

@@ -18,7 +18,7 @@ from datetime import UTC, datetime
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Literal, Self, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from cattrs import Converter
@@ -107,6 +107,8 @@ PRAGMA user_version={FORMAT};
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 
+TaskState: TypeAlias = Literal["done", "failed"]
+_STATUSES: Final = get_args(TaskState)
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
@@ -123,7 +125,7 @@ class TaskStatus:
     """What is known of a task without its result."""
 
     key: str
-    status: Literal["done", "failed"]
+    status: TaskState
     seconds: float
     count: int  # pictures or frames dealt with
     drawn: Mapping[str, str]  # digests of files by their names in the results
@@ -220,7 +222,9 @@ class Store:
                 rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
         found = {}
         for task, key, status, seconds, count, drawn, limits in rows:
-            with suppress(ValueError, TypeError):  # damaged: as good as not there
+            if status not in _STATUSES:
+                continue  # damaged: as good as not there
+            with suppress(ValueError, TypeError):  # the same
                 found[task] = TaskStatus(
                     key=key,
                     status=status,
