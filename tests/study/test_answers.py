@@ -1,6 +1,7 @@
 """A study's answers: one sentence for each finger and placement, with what is missing said."""
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,17 @@ def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path: Path) -
     assert found.on_bone
     assert found.modulus < without.modulus
     assert (found.area, found.load) == (pytest.approx(math.pi * 7.4 * 5.0), 2)
+
+
+def test_where_both_models_fail_both_moduli_are_said(tmp_path: Path) -> None:
+    found = answer(tmp_path, THICK, press(), curve(loading_radius_mm=40))
+    hertz = found.of.validity.headlines["youngs_modulus_kpa"].value
+    assert found.both_fail
+    assert re.search(
+        rf" on its bone \(layer fails: .*\) or {hertz:.0f} ± .* kPa by Hertz theory, which fails too "
+        r"\(.*\): report the range; corrected",
+        found.sentence,
+    )
 
 
 def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path: Path) -> None:

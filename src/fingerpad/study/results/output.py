@@ -450,6 +450,13 @@ class Answer:
         return f"{self.of.finger}, {self.angles}"
 
     @property
+    def both_fail(self) -> bool:
+        """Whether both the layer and Hertz theory fail, so that the modulus is known to a range at best."""
+        hertz = self.of.validity
+        layer = hertz.on_layer.verdict if self.on_bone and hertz.on_layer else None
+        return layer == hertz.verdict == FAILS
+
+    @property
     def text(self) -> str:
         """What was found, without whose it is."""
         of, hertz = self.of, self.of.validity
@@ -462,16 +469,14 @@ class Answer:
         else:
             bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
         largest = _largest(hertz.verdict, hertz.checks)
-        return (
-            f"{_quantity('modulus', self.modulus, self.modulus_std, 'kPa')}{bone}; "
-            f"Hertz theory {hertz.verdict}{largest and f' ({largest})'}; "
-            + _quantity(
-                "corrected radius",
-                of.radius_from_indentation_mm,
-                of.radius_from_indentation_mm_total_std,
-                "mm",
-            )
-        )
+        theory, doubt = f"; Hertz theory {hertz.verdict}", largest and f" ({largest})"
+        if self.both_fail:
+            other = hertz.headlines[MODULUS]
+            value = _quantity(" or", other.value, other.total_std, "kPa")
+            theory, doubt = f"{value} by Hertz theory, which fails too", f"{doubt}: report the range"
+        modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
+        corrected = of.radius_from_indentation_mm, of.radius_from_indentation_mm_total_std
+        return f"{modulus}{bone}{theory}{doubt}; {_quantity('corrected radius', *corrected, 'mm')}"
 
     @property
     def sentence(self) -> str:
