@@ -41,11 +41,8 @@ def test_where_both_models_fail_both_moduli_are_said(tmp_path: Path) -> None:
     found = answer(tmp_path, THICK, press(), curve(loading_radius_mm=40))
     hertz = found.of.validity.headlines["youngs_modulus_kpa"].value
     assert found.both_fail
-    assert re.search(
-        rf" on its bone \(layer fails: .*\) or {hertz:.0f} ± .* kPa by Hertz theory, which fails too "
-        r"\(.*\): report the range; corrected",
-        found.sentence,
-    )
+    said = rf"\(layer fails: .*\) or {hertz:.0f} .* kPa .* which fails too \(.*\): report the range"
+    assert re.search(said, found.sentence)
 
 
 def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path: Path) -> None:
