@@ -359,6 +359,7 @@ def test_progress_bar_on_terminals_only(
         ours, theirs = pty.openpty()
         with os.fdopen(theirs, "w") as terminal, monkeypatch.context() as patched:
             patched.setattr(sys, "stderr", terminal)
+            patched.setenv("TERM", "xterm")  # one that is dumb shows no bar
             with pytest.raises(SystemExit) as end:
                 app(["measure", *map(str, command), "--ppi", "240", "--json"])
         os.set_blocking(ours, False)

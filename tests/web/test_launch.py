@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import httpx
@@ -38,7 +39,9 @@ def ended(process):
 
 def other_addresses():
     """Return addresses of this machine at which the page must not be reached."""
-    own = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+    own = set()
+    with suppress(socket.gaierror):  # a minimal machine does not know its own name
+        own = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
     return [*(one for one in own if not one.startswith("127.0.0.1")), "127.0.0.2"]
 
 

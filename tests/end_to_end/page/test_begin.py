@@ -102,6 +102,7 @@ def require_plot_in_view(page) -> None:
     assert page.locator(".banner").inner_text().count("\n") >= 1  # two notes above it
     place = box(page.locator(".chart .xtitle"))
     assert place["y"] + place["height"] < page.viewport_size["height"]
+    page.get_by_label("Against load", exact=True).select_option("corrected radius")
     legend = page.get_by_label("Legend").inner_text()
     assert "compare with" not in legend  # there are no loading data
     assert "on the layer" not in legend
