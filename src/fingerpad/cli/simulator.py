@@ -144,7 +144,7 @@ def _print(record: dict[str, Any]) -> None:
         for name in ("table", "pressure_by_depth", "newton", "drake", "mujoco", "finite_elements")
     )
     depths = len(pressure["depth_m"])
-    typer.echo(f"By the {table['model']}:")
+    typer.echo(f"The whole pad by the {table['model']}, which the simulators are to follow:")
     columns = [table[key] for key in ("load_N", "indentation_mm", "area_mm2")]
     shown = np.linspace(0, len(columns[0]) - 1, _SHOWN).round().astype(int)
     rows = ([f"{column[place]:.4g}" for column in columns] for place in shown)

@@ -104,7 +104,7 @@ def remedies(checks: Iterable[ValidityCheck]) -> dict[str, str]:
 
 def check_words(check: CheckRecord) -> str:
     """Return what a check of the model compares, its verdict, and by how much it is off."""
-    off, of = check.relative_difference, f"{check.difference_of} " if check.difference_of else ""
+    off, of = check.relative_difference, f"{check.difference_of} by " if check.difference_of else ""
     numbers = [
         "" if math.isnan(off) else f"{of}{percent(off)}",
         "" if math.isnan(check.p_value) else p_words(check.p_value),

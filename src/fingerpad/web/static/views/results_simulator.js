@@ -72,7 +72,7 @@ export class Simulator {
 
 /** @param {Answers["SimulatorNumbers"]} found */
 const numbers = ({ source, model, targets, notes }) => [
-  h("p", `By the ${model}. ${source}.`),
+  h("p", `The whole pad by the ${model}, which the simulators are to follow. ${source}.`),
   tableOf(
     "table.budget",
     [
