@@ -228,8 +228,34 @@ def frame_clock(
 ) -> FrameRate:
     """Return the clock of frames taken at a steady rate, on the force's time.
 
-    In order of preference: the first-contact frame lies where the force passes `contact_load` (N); the first
-    frame lies at `start_time` (s); where the force's trigger rises; at the force's own start.
+    Parameters
+    ----------
+    frames_per_second : float
+        Their rate.
+    force : ForceSignal, optional
+        The force: the first frame lies where its trigger first rises through half of its range, or at its
+        start where there is no trigger.
+    start_time : float, optional
+        Where the first frame lies in its place, s.
+    contact_load : float, optional
+        N; the frame of first contact lies where the force first rises through it for at least three samples.
+
+    Returns
+    -------
+    FrameRate
+        The clock.
+
+    Raises
+    ------
+    LoadingError
+        If both `start_time` and `contact_load` are given, `contact_load` without a force, or the trigger or
+        the force never rises.
+
+    Examples
+    --------
+    >>> signal = ForceSignal(time=np.arange(5) / 10, load=[0, 0, 0.2, 0.4, 0.6])
+    >>> round(frame_clock(100, signal, contact_load=0.1).time_of(7, first_contact=7), 3)
+    0.15
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
