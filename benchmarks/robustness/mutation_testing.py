@@ -1,7 +1,7 @@
 """Mutation testing of the science packages: ``python -m benchmarks.robustness.mutation_testing geometry``.
 
 Each mutant is one change by an operator of Cosmic Ray (another sign, comparison, number, truth value …) to
-a copy of the source. It survives if all tests of its package that reach it pass: testmon tells which these
+a copy of the code. It survives if all tests of its package that reach it pass: testmon tells which these
 are, and runs the fastest first, until 20 s of processor time are spent. Annotations, decorators, imports,
 errors and f-strings are not mutated. ``pip install cosmic-ray pytest-testmon`` first. (mutmut leaves out
 properties, cached functions and the constants of modules, where much of the science stands.)

@@ -80,7 +80,7 @@ def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIM
     tasks = [task(number, work) for number, work in enumerate(works)]
     folder.mkdir(exist_ok=True)
     with Store.writing(folder / STORE_NAME) as store, local_executor(folder, workers, limits) as executor:
-        return records_of(tasks, executor, store, folder)
+        return list(records_of(tasks, executor, store, folder).values())
 
 
 def test_linear_algebra_of_a_worker_has_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

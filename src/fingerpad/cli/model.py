@@ -107,7 +107,7 @@ def print_law_flag(flag: str | None) -> None:
 
 def print_if_too_large(size: float) -> None:
     """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
-    from fingerpad.contact.law_factors import WIDEST
+    from fingerpad.contact.hertz import WIDEST
 
     if size > WIDEST:
         typer.echo(

@@ -86,7 +86,7 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
         TextColumn("[red]{task.fields[failed]}"),
     )
     try:
-        # Of a bar that nobody can watch a file would have the last line, and an empty one.
+        # A file in place of a terminal would get the last line of the bar, and an empty one.
         with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
             display = ProgressDisplay(bar, file)
             try:

@@ -21,7 +21,7 @@ from fingerpad.contact.elliptic import contact_ellipse_kernel, cube_root, factor
 _THICKNESS_MATTERS = 0.03
 # Contact radius over that of curvature to which contacts of pads were solved; by then the area of a sphere
 # under a load is 12 % too large.
-_WIDEST = 0.6
+WIDEST = 0.6
 
 _RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 
@@ -76,7 +76,7 @@ def hertz_contact(
     )
     code = np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact")))
     with np.errstate(invalid="ignore"):
-        too_wide = size > np.pi * _WIDEST**2 * np.abs(first * second)
+        too_wide = size > np.pi * WIDEST**2 * np.abs(first * second)
         code = np.where(too_wide, np.int8(FLAGS.index("contact_too_wide")), code)[()]
         if not tissue.is_deep:
             matters = size > np.pi * (_THICKNESS_MATTERS * tissue.thickness) ** 2

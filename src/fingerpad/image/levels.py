@@ -64,14 +64,23 @@ def picture_levels(
     """Return a grey picture's levels, or with `colour` either kind's, as uint8, uint16 or float32."""
     array = picture_array(value, name, error)
     if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] >= 3)):
-        wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
-        raise error(f"{name} must be {wanted}, found shape {array.shape}")
+        raise error(wrong_shape(array, name, colour=colour))
     if array.dtype.kind not in "buif":
         raise error(f"{name} must hold grey levels or colours, found {array.dtype}")
     levels = storable(array.view(np.uint8) if array.dtype == bool else array)
     if not np.isfinite(levels).all():
         raise error(f"{name} holds NaN or infinite values: fill them first")
     return levels
+
+
+def wrong_shape(array: npt.NDArray[Any], name: str, *, colour: bool = False) -> str:
+    """Say that an array is no grey picture, or with `colour` no picture, and what to give in its place."""
+    wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
+    way_out = ""
+    if array.ndim == 3 and not colour:
+        of_colours = "of a colour picture give the file, one channel, or the mean, pixels.mean(axis=-1)"
+        way_out = f": {of_colours if array.shape[-1] in {3, 4} else 'one picture at a time'}"
+    return f"{name} must be {wanted}, found shape {array.shape}{way_out}"
 
 
 def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:

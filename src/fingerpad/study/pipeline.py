@@ -223,17 +223,11 @@ def _write_results(
             return
 
         def draw(tasks: Iterable[Task], on_drawn: Callable[[Task], None]) -> None:
-            names: list[str] = []
-
-            def noted() -> Iterator[Task]:
-                for task in tasks:
-                    names.append(task.name)
-                    yield task
-
-            for record in records_of(noted(), executor, store, new.folder, on_drawn):
+            records = records_of(tasks, executor, store, new.folder, on_drawn)
+            for record in records.values():
                 if (reason := record.get("reason")) is not None:
                     raise FingerpadError(reason)
-            for status in store.statuses(names).values():
+            for status in store.statuses(records).values():
                 _add_drawn(new, store, status.drawn.items())
 
         written("report")

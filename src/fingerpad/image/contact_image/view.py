@@ -13,7 +13,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import disk, filled_polygon
 from fingerpad.image.contact_image.background import flattened, without_added_border
 from fingerpad.image.contact_image.spectra import ridge_period_px
-from fingerpad.image.levels import picture_array
+from fingerpad.image.levels import picture_array, wrong_shape
 from fingerpad.image.scale import Scale
 
 Surface: TypeAlias = Literal["ridged", "smooth"]
@@ -284,14 +284,10 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
 
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
     array = picture_array(pixels, name)
-    if array.ndim != 2 or array.dtype.kind not in "buif":
-        way_out = ""
-        if array.ndim == 3:
-            colour = "of a colour picture give the file, one channel, or the mean, pixels.mean(axis=-1)"
-            way_out = f": {colour if array.shape[-1] in {3, 4} else 'measure one picture at a time'}"
-        raise ImageError(
-            f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}{way_out}"
-        )
+    if array.ndim != 2:
+        raise ImageError(wrong_shape(array, name))
+    if array.dtype.kind not in "buif":
+        raise ImageError(f"{name} must hold grey levels, found {array.dtype}")
     if min(array.shape) < _MIN_SIDE_PX:
         raise ImageError(
             f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "

@@ -142,8 +142,8 @@ def records_of(
     store: Store,
     folder: Path,
     on_done: Callable[[Task], None] = lambda _: None,
-) -> list[Record]:
-    """Return the records of tasks in their order; those that the store lacks are performed.
+) -> dict[str, Record]:
+    """Return the records of tasks by their names, in order; those that the store lacks are performed.
 
     Tasks are asked for as they can be performed: no more of them than that are held.
     """
@@ -169,7 +169,7 @@ def records_of(
         on_done(task)
 
     run_plans(plans(), executor, store_result, is_done)
-    return [records[name] for name in names]
+    return {name: records[name] for name in names}
 
 
 def put_unless_changed(store: Store, folder: Path, task: Task, result: TaskResult) -> Record:

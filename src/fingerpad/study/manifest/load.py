@@ -121,7 +121,7 @@ class Table:
         return [self.content, *inner]
 
 
-_TOLD: Final[dict[str, Any]] = {}
+_NONE: Final[dict[str, Any]] = {}
 
 
 class TableChecks:
@@ -151,7 +151,7 @@ class TableChecks:
         if not complete:
             self._incomplete.add((table.kind, table.key))
         # The cells of a row take half of its memory.
-        content = _TOLD if complete and not table.key_path else table.content
+        content = _NONE if complete and not table.key_path else table.content
         return replace(table, content=content, faults=faults, model=model, complete=complete)
 
     def _share_keys(self, model: BaseModel) -> None:

@@ -86,7 +86,7 @@ def operator_pairs(context: RunContext, store: Store, executor: Executor) -> lis
             synthetic=observation.synthetic,
             **record,
         )
-        for (observation, *_), record in zip(outlined, records, strict=True)
+        for (observation, *_), record in zip(outlined, records.values(), strict=True)
     ]
 
 

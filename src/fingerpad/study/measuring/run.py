@@ -116,7 +116,8 @@ def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dic
         for key, (name, table) in tables.items()
         for _, file in table.files()
     }
-    records = dict(zip(tasks, records_of(list(tasks.values()), executor, store, context.folder), strict=True))
+    found = records_of(tasks.values(), executor, store, context.folder)
+    records = dict(zip(tasks, found.values(), strict=True))
     return {
         key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder))
         for key, (name, table) in tables.items()

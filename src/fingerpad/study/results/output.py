@@ -450,33 +450,27 @@ class Answer:
         return f"{self.of.finger}, {self.angles}"
 
     @property
-    def both_fail(self) -> bool:
-        """Whether both the layer and Hertz theory fail, so that the modulus is known to a range at best."""
-        hertz = self.of.validity
-        layer = hertz.on_layer.verdict if self.on_bone and hertz.on_layer else None
-        return layer == hertz.verdict == FAILS
-
-    @property
     def text(self) -> str:
         """What was found, without whose it is."""
         of, hertz = self.of, self.of.validity
         if not of.radius_from_indentation_count:
             seen = counted(of.count or of.frames, "contact" if of.count else "frame")
             return f"no modulus and no corrected radius, as none of {seen} counts"
-        if self.on_bone and hertz.on_layer and hertz.on_layer.verdict in {STRAINED, FAILS}:
-            layer = _largest(hertz.on_layer.verdict, hertz.on_layer.checks)
-            bone = f" on its bone (layer {hertz.on_layer.verdict}{layer and f': {layer}'})"
-        else:
-            bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
-        largest = _largest(hertz.verdict, hertz.checks)
-        theory, doubt = f"; Hertz theory {hertz.verdict}", largest and f" ({largest})"
-        if self.both_fail:
+        layer = hertz.on_layer if self.on_bone else None
+        bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
+        if layer and layer.verdict in {STRAINED, FAILS}:
+            off = _largest(layer.verdict, layer.checks)
+            bone += f" (layer {layer.verdict}{off and f': {off}'})"
+        off = _largest(hertz.verdict, hertz.checks)
+        off = off and f" ({off})"
+        theory = f"; Hertz theory {hertz.verdict}{off}"
+        if layer and layer.verdict == hertz.verdict == FAILS:  # the modulus is known to a range at best
             other = hertz.headlines[MODULUS]
-            value = _quantity(" or", other.value, other.total_std, "kPa")
-            theory, doubt = f"{value} by Hertz theory, which fails too", f"{doubt}: report the range"
+            value = _quantity("or", other.value, other.total_std, "kPa")
+            theory = f" {value} by Hertz theory, which fails too{off}: report the range"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
         corrected = of.radius_from_indentation_mm, of.radius_from_indentation_mm_total_std
-        return f"{modulus}{bone}{theory}{doubt}; {_quantity('corrected radius', *corrected, 'mm')}"
+        return f"{modulus}{bone}{theory}; {_quantity('corrected radius', *corrected, 'mm')}"
 
     @property
     def sentence(self) -> str:

@@ -158,10 +158,10 @@ class StudyResult(Displayed):
     def failures(self) -> list[str]:
         """What failed and why, fingers, observations, sequences, scales and curves alike."""
         failed = self.failed_contacts
-        told = {reason for _, reason in failed}
+        given = {reason for _, reason in failed}
         return [
             *(f"{name}: {reason}" for name, reason in failed),
-            *(reason for reason in self._shared_reasons if reason not in told),
+            *(reason for reason in self._shared_reasons if reason not in given),
             *(curve.reason for curve in self.curves if curve.failed and curve.reason is not None),
         ]
 
@@ -325,7 +325,7 @@ def _checks(
         if one is not None
     ]
     records = records_of(tasks, executor, store, folder, lambda task: on_check(task.item))
-    checks = (record.get("check") for record in records)
+    checks = (record.get("check") for record in records.values())
     found = (None if one is None else next(checks) for one in highest_load)
     return [None if one is None else UncertaintyCheckRecord.model_validate(one) for one in found]
 

@@ -29,14 +29,14 @@ export function colour(name) {
  * @param {any} root
  * @param {object[]} traces
  * @param {{ x: string, y: string, shapes?: object[], annotations?: object[],
- *   chosen?: (point: { pointIndex: number }) => void, ranges?: { x?: object, y?: object } }} options
+ *   chosen?: (point: { pointIndex: number }) => void, fromZero?: boolean }} options
  */
-export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
+export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, fromZero }) {
   const plotly = await load();
   // Text grows with that of the page, which is larger on the widest screens.
   const size = (12.5 / 14) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
-  const axis = (title, range) => ({
+  const axis = (title, zero) => ({
     title: { text: title, standoff: 8, font: { size } },
     color: ink,
     gridcolor: line,
@@ -45,8 +45,7 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     ticks: "outside",
     tickcolor: soft,
     automargin: true,
-    rangemode: "tozero",
-    ...(range ?? {}),
+    rangemode: zero ? "tozero" : "normal",
   });
   const layout = {
     font: { family: getComputedStyle(document.body).fontFamily, size, color: ink },
@@ -57,8 +56,8 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     hovermode: "closest",
     dragmode: "zoom",
     hoverlabel: { bgcolor: colour("raised"), bordercolor: soft, font: { color: ink } },
-    xaxis: axis(x, ranges.x),
-    yaxis: axis(y, { rangemode: "normal", ...ranges.y }),
+    xaxis: axis(x, true),
+    yaxis: axis(y, fromZero),
     shapes,
     annotations: annotations.map((each) => ({ font: { color: ink, size }, showarrow: false, ...each })),
   };

@@ -290,7 +290,7 @@ export class Plots {
       await chart(node, traces, {
         x: "normal load W (N)",
         y: title,
-        ranges: fromZero ? { y: { rangemode: "tozero" } } : {},
+        fromZero,
         shapes: lines.map(([, value, dash]) => ({
           type: "line",
           xref: "paper",
