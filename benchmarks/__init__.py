@@ -1,8 +1,8 @@
 """What the documentation states of accuracy, speed and robustness, measured again.
 
 ``claims``
-    One module for each table: ``python -m benchmarks NAME`` prints it and writes it to ``results/NAME.md``
-    with its date, commit and sample.
+    One module for each table: ``python -m benchmarks NAME`` prints it with its date, commit and sample;
+    ``--store`` also writes it to ``results/NAME.md``, which the documentation includes.
 ``figures``
     Draws the figures of the documentation: ``python -m benchmarks.figures``.
 ``derive``

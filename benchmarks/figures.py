@@ -6,17 +6,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from benchmarks import ROOT
+from benchmarks.claims.fast_laws import SERIES, Circles
 from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
+from fingerpad.contact import Tissue, fast_contact, hertz_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
-from fingerpad.geometry import Paraboloid
 from fingerpad.published import fit_tissue_thickness
 from fingerpad.published.dzidek2017 import PublishedWedge
 
-_RADIUS, _MODULUS = 10.0, 0.1
-_BALL = Paraboloid(_RADIUS, _RADIUS)
 _COLOURS = {0.5: BLUE, 0.3: VERMILLION}  # by ν
 _OF_ANGLE = {30: BLUE, 45: VERMILLION}
 _SOLVED = np.array([0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0])
@@ -24,34 +22,6 @@ _LINES = np.geomspace(0.03, 3.0, 300)
 _LIMIT = 0.005
 _SYMBOLS = {"load": "W", "area": "A", "indentation": "ξ"}
 _GIVEN_WANTED = ("load", "area"), ("load", "indentation"), ("indentation", "load")
-# Powers of √(Rξ)/t in W/W_Hertz at one ξ, ν = 0.5.
-_SERIES = {
-    "García 2018": (1, 1.133, 1.497, 1.469, 0.755),
-    "Dimitriadis 2002": (1, 1.133, 1.283, 0.769, 0.0975),
-}
-
-
-class Circles:
-    """Circular contacts of a paraboloid on a bonded layer of thickness 1, by the integral equation."""
-
-    def __init__(self, sizes: FloatArray, poisson_ratio: float) -> None:
-        load, depth, _ = circular_contacts(sizes, poisson_ratio).T
-        self.tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=1.0)
-        self.area, self.indentation = np.pi * sizes**2, sizes**2 / _RADIUS * depth
-        self.load = 4 / 3 * _MODULUS * sizes**3 / _RADIUS * load
-        self.area_ratio, self.load_at_area, self.load_at_depth = 1 / depth, load, load / depth**1.5
-
-    def series(self, name: str) -> FloatArray:
-        """Return W/W_Hertz at the same ξ by a published series."""
-        ratio: FloatArray = np.polynomial.polynomial.polyval(
-            np.sqrt(_RADIUS * self.indentation), _SERIES[name]
-        )
-        return ratio
-
-    def solved(self, *, at_load: bool) -> list[SolvedContact]:
-        """Solve the same contacts on 256² cells, by their loads or their indentations."""
-        given, values = ("load", self.load) if at_load else ("indentation", self.indentation)
-        return [solve_contact(_BALL, self.tissue, **{given: value}) for value in values.tolist()]
 
 
 @in_style
@@ -61,14 +31,13 @@ def layer() -> None:
     above, below = panels[:3], panels[3:]
     for nu, colour in _COLOURS.items():
         exact, points = Circles(_LINES, nu), Circles(_SOLVED, nu)
-        at_load, at_depth = points.solved(at_load=True), points.solved(at_load=False)
+        at_load, at_depth = points.solved("load"), points.solved("indentation")
         for axes, line in zip(
             above, (exact.area_ratio, exact.load_at_depth, exact.load_at_area), strict=True
         ):
             axes.plot(_LINES, line, color=colour, label=f"exact, ν = {nu:g}")
-        fast = fast_contact(_BALL, exact.tissue, load=exact.load)
-        by_depth = fast_contact(_BALL, exact.tissue, indentation=exact.indentation)
-        hertz = hertz_contact(_BALL, exact.tissue, load=exact.load)
+        fast, by_depth = exact.pressed(fast_contact, "load"), exact.pressed(fast_contact, "indentation")
+        hertz = exact.pressed(hertz_contact, "load")
         by_hertz = hertz.area / exact.area, hertz.indentation / exact.indentation, 1 / exact.load_at_depth
         by_law = fast.area / exact.area, fast.indentation / exact.indentation, by_depth.load / exact.load
         by_solver = (
@@ -116,7 +85,7 @@ def _plain_ticks(axes: Axes) -> None:
 
 def _series(values: Axes, errors: Axes) -> None:
     exact = Circles(_LINES, 0.5)
-    for name, dashes in zip(_SERIES, ((0, (1, 1.5)), (0, (3, 1.5, 1, 1.5))), strict=True):
+    for name, dashes in zip(SERIES, ((0, (1, 1.5)), (0, (3, 1.5, 1, 1.5))), strict=True):
         found = exact.series(name)
         values.plot(_LINES, found, color=BLACK, lw=0.9, ls=dashes, label=name)
         errors.plot(_LINES, np.abs(found / exact.load_at_depth - 1), color=BLACK, lw=0.9, ls=dashes)

@@ -5,6 +5,7 @@ import inspect
 import re
 from pathlib import Path
 
+import benchmarks.__main__ as command
 import pytest
 from benchmarks import RESULTS, modules
 
@@ -14,12 +15,34 @@ TEXTS = [ROOT / "README.md", ROOT / "paper" / "paper.md", *sorted((ROOT / "docs"
 
 @pytest.mark.parametrize("name", modules())
 def test_every_benchmark_says_what_it_measures_and_needs_no_argument(name):
-    try:
-        module = importlib.import_module(modules()[name])
-    except ImportError as error:  # its peers are no dependencies
-        pytest.skip(str(error))
+    module = importlib.import_module(modules()[name])
     assert module.__doc__
+    assert module.report.__doc__
     inspect.signature(module.report).bind()
+
+
+def test_help_names_the_keys_with_their_defaults(capsys):
+    command.explain("photographs")
+    shown = capsys.readouterr().out
+    assert shown.startswith("usage: python -m benchmarks photographs [count=96] [first=75000] [--store]")
+    assert "rendered fingers" in shown
+
+
+def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(command, "RESULTS", tmp_path)
+    command.measure("area_exponents", {"repeats": 2})
+    assert "| of each frame |" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+    command.measure("area_exponents", {"repeats": 2}, store=True)
+    table, foot = (tmp_path / "area_exponents.md").read_text(encoding="utf-8").rsplit("\n\n", 1)
+    assert "| of each frame |" in table
+    assert foot.startswith("*`python -m benchmarks area_exponents repeats=2`, 20")
+    assert foot.endswith("; repeats 2.*\n")
+
+
+def test_a_key_that_is_not_there_leads_to_help():
+    with pytest.raises(SystemExit, match=r"'seeds'; `python -m benchmarks coins --help` lists its keys"):
+        command.measure("coins", {"seeds": 3})
 
 
 def test_texts_name_benchmarks_that_are_there():
@@ -49,8 +72,11 @@ def test_every_stored_result_has_its_module_and_a_page():
 
 @pytest.mark.parametrize("name", included())
 def test_a_stored_result_says_when_of_what_and_how_it_was_made(name):
+    """Without keys its command draws the sample that it states."""
     *_, last = (RESULTS / f"{name}.md").read_text(encoding="utf-8").splitlines()
-    assert re.match(rf"\*`python -m benchmarks {name}[^`]*`, 20\d\d-\d\d-\d\d, commit [0-9a-f]{{8}}", last)
+    assert re.match(rf"\*`python -m benchmarks {name}`, 20\d\d-\d\d-\d\d, commit [0-9a-f]{{8}}", last)
+    sample = command.drawn(name, importlib.import_module(modules()[name]), {})
+    assert command.sample_words(sample) in last or "; copied from the documentation" in last
 
 
 # What README, paper and the page on accuracy state, and the cells of stored results that say so.

@@ -61,6 +61,7 @@ def judged(record: Record) -> dict[str, float]:
         "silent": float(not (held["E"] and held["w"]) and not fit.flags),
         "E std": modulus.std / modulus.value,
         "w std": work.std / work.value,
+        "E off": modulus.value / record.modulus - 1,
         "hertz": hertz / record.modulus,
     }
 
@@ -73,12 +74,16 @@ def report(count: int = 20, seed: int = 23) -> None:
         fitted = [one for one in found if not one["refused"]]
         refused = f"{len(found) - len(fitted)} of {len(found)}"
         if not fitted:
-            return WORDS[kind], refused, *8 * ("–",)
+            return WORDS[kind], refused, *9 * ("–",)
         shares = [f"{sum(one[name] for one in fitted):.0f}" for name in ("E", "w", "x0", "flagged", "silent")]
         modulus, work, hertz = (
             float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
         )
-        return WORDS[kind], refused, *shares, percent(modulus), percent(work), f"{hertz:.2f}"
+        errors = [one["E off"] for one in fitted]
+        off = " to ".join(percent(one, "+") for one in (min(errors), max(errors)))
+        return WORDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
 
     held = "E held", "w held", "x₀ held", "flagged", "silent"
-    table(("records", "refused", *held, "± E", "± w", "E of Hertz theory / E"), map(cells, KINDS))
+    table(
+        ("records", "refused", *held, "errors of E", "± E", "± w", "E of Hertz theory / E"), map(cells, KINDS)
+    )

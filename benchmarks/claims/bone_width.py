@@ -221,7 +221,7 @@ def _cells(bone: Bone, side: float) -> Iterator[str]:
         yield ", ".join(f"{one:.{digits}f}" for one in values)
 
 
-def report(side: float = 1.0) -> None:
+def report(side: float = 1.5) -> None:
     """Print which layer a narrow bone acts like, and what it makes of the contact's shape."""
     table(
         (

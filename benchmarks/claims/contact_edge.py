@@ -94,7 +94,7 @@ def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> FloatArray
     )
 
 
-def report(count: int = 12, size: int = 6, seed: int = 7) -> None:
+def report(count: int = 6, size: int = 6, seed: int = 7) -> None:
     """Print how many 95 % intervals of pooled results hold, with the edge as noise and as shared."""
     sets = list(sets_of_one_device(measured_images(count, seed), size))
     rows = []

@@ -1,6 +1,7 @@
 """The contact solver against exact solutions and beside others.
 
-Tamaas is a dependency of the tests; ContactMechanics is timed where it is installed.
+Tamaas is a dependency of the tests; ContactMechanics is timed where it is installed
+(``pip install ContactMechanics``).
 """
 
 import math

@@ -6,39 +6,97 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts, kept_pads
 from benchmarks.tables import table
-from fingerpad._arrays import FloatArray
-from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.contact import Contact, SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 _NAMES = "load", "area", "indentation"
+_RADIUS, _MODULUS = 10.0, 0.1
+_BALL = Paraboloid(_RADIUS, _RADIUS)
+# Powers of √(Rξ)/t in the load over that of Hertz theory at one indentation, ν = 0.5.
+SERIES = {
+    "García 2018": (1, 1.133, 1.497, 1.469, 0.755),
+    "Dimitriadis 2002": (1, 1.133, 1.283, 0.769, 0.0975),
+}
+
+
+class Circles:
+    """Circular contacts of a paraboloid on a bonded layer of thickness 1, by the integral equation."""
+
+    def __init__(self, sizes: FloatArray, poisson_ratio: float) -> None:
+        load, depth, _ = circular_contacts(sizes, poisson_ratio).T
+        self.tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=1.0)
+        self.area, self.indentation = np.pi * sizes**2, sizes**2 / _RADIUS * depth
+        self.load = 4 / 3 * _MODULUS * sizes**3 / _RADIUS * load
+        self.area_ratio, self.load_at_area, self.load_at_depth = 1 / depth, load, load / depth**1.5
+
+    def series(self, name: str) -> FloatArray:
+        """Return the load over that of Hertz theory at one indentation, by a published series."""
+        return as_float_array(
+            np.polynomial.polynomial.polyval(np.sqrt(_RADIUS * self.indentation), SERIES[name])
+        )
+
+    def pressed(self, law: Callable[..., Contact], given: str) -> Contact:
+        """Return the same contacts by Hertz theory or a fast law, from their loads or their indentations."""
+        return law(_BALL, self.tissue, **{given: getattr(self, given)})
+
+    def solved(self, given: str) -> list[SolvedContact]:
+        """Solve the same contacts on 256² cells, by their loads or their indentations."""
+        return [solve_contact(_BALL, self.tissue, **{given: one}) for one in getattr(self, given).tolist()]
 
 
 def circles() -> None:
     """Print errors for circular contacts on a layer, which one integral equation solves to ten digits."""
     rows = []
-    sizes = np.array([0.05, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0])
-    ball = Paraboloid(10.0, 10.0)
+    sizes = np.array([0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0])
     for nu in (0.5, 0.48, 0.45, 0.3):
-        load, depth, _ = circular_contacts(sizes, nu).T
-        force, area, indentation = 0.4 / 3 * sizes**3 / 10 * load, np.pi * sizes**2, sizes**2 / 10 * depth
-        tissue = Tissue.of_reduced_modulus(0.1, nu, thickness=1.0)
-        hertz = hertz_contact(ball, tissue, load=force)
-        fast = fast_contact(ball, tissue, load=force)
+        exact = Circles(sizes, nu)
+        hertz, fast = (exact.pressed(law, "load") for law in (hertz_contact, fast_contact))
+        solved = exact.solved("load")
         for i, size in enumerate(sizes):
-            solved = solve_contact(ball, tissue, load=float(force[i]))
             found = [(one.area[i], one.indentation[i]) for one in (hertz, fast)]
-            found.append((solved.area, solved.indentation))
-            errors = [f"{a / area[i] - 1:+.0e}, {x / indentation[i] - 1:+.0e}" for a, x in found]
-            ratios = (f"{one:.3f}" for one in (1 / depth[i], load[i] / depth[i] ** 1.5, load[i]))
+            found.append((solved[i].area, solved[i].indentation))
+            errors = [f"{a / exact.area[i] - 1:+.0e}, {x / exact.indentation[i] - 1:+.0e}" for a, x in found]
+            ratios = (f"{one[i]:.3f}" for one in (exact.area_ratio, exact.load_at_depth, exact.load_at_area))
             rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
     columns = (
         "a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A", "Hertz: errors of A, ξ at W", "fast law",
         "solver",
     )  # fmt: skip
     table(columns, rows, "A circular contact on a bonded layer, by one integral equation to ten digits")
+    sizes = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.5, 0.7])
+    exact = Circles(sizes, 0.5)
+    table(
+        ("series", *(f"a/t = {size:g}" for size in sizes)),
+        ((name, *(f"{one:+.2%}" for one in exact.series(name) / exact.load_at_depth - 1)) for name in SERIES),
+        "Errors of published series: load at an indentation, ν = 0.5",
+    )
+
+
+def hertz_by_size() -> None:
+    """Print by how much Hertz theory misses whole pads on deep tissue, by the size of the contact."""
+    kept = np.load(KEPT)["pads_held_out"]
+    placement, tissue = kept_pads(kept), Tissue.of_reduced_modulus(1.0)
+    load, area, depth = kept[:, -5], kept[:, -4] / AREA_BIAS, kept[:, -3]
+    size = np.sqrt(area / np.pi) / placement.curvature.geometric_mean_radius
+    at_load = hertz_contact(placement, tissue, load=load)
+    errors = {
+        "E from load and area": load / hertz_contact(placement, tissue, area=area).load - 1,
+        "E from load and indentation": load / hertz_contact(placement, tissue, indentation=depth).load - 1,
+        "area at a load": at_load.area / area - 1,
+        "indentation at a load": at_load.indentation / depth - 1,
+    }
+    rows = []
+    for low, high in ((0.15, 0.25), (0.25, 0.35), (0.35, 0.45), (0.45, 0.5), (0.5, 0.6), (0.6, 0.8)):
+        inside = (low <= size) & (size < high)
+        ranges = (
+            f"{100 * one[inside].min():+.0f} to {100 * one[inside].max():+.0f} %" for one in errors.values()
+        )
+        rows.append((f"{low:g} to {high:g}", inside.sum(), *ranges))
+    table(("a/R", "pads", *errors), rows, "What Hertz theory makes of whole pads on deep tissue: its errors")
 
 
 def held_out() -> None:
@@ -126,5 +184,6 @@ def cost(count: int = 400_000) -> None:
 def report() -> None:
     """Print all tables."""
     held_out()
+    hertz_by_size()
     cost()
     circles()

@@ -95,6 +95,6 @@ def print_semi_axes(fingers: Iterable[Finger]) -> None:
     errors_table(f"Semi-axes; {refused} photographs refused", rows)
 
 
-def report(count: int = 24, seed: int = 5) -> None:
+def report(count: int = 8, seed: int = 75) -> None:
     """Print errors, stated uncertainty and coverage by shape."""
     print_accuracy("superellipses", count, seed)

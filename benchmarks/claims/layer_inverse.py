@@ -130,7 +130,7 @@ def _held(quantity: Estimate, truth: float) -> float:
     return float(quantity.lower <= truth <= quantity.upper)
 
 
-def report(repeats: int = 40, first_seed: int = 90_000) -> None:
+def report(repeats: int = 10, first_seed: int = 90_000) -> None:
     """Print, of each case, the share of intervals that hold, and how wide t is."""
     pooled = []
 

@@ -150,7 +150,7 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
     return found
 
 
-def report(repeats: int = 200, first_seed: int = 50_000) -> None:
+def report(repeats: int = 24, first_seed: int = 50_000) -> None:
     """Print, of each condition and quantity, the error, coverage and flags."""
     table(
         ("condition", "flagged", "refused", *(name.replace("_", " ") for name in QUANTITIES)),

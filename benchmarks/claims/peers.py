@@ -1,8 +1,9 @@
 """Side by side with what people use today, in one run on one machine.
 
-Tamaas, statsmodels, lmfit and scikit-image are dependencies of the tests. ContactMechanics, nanite and pyfing
-(``pip install --no-deps pyfing``) are compared where they are installed. Slippy and tribology need old
-versions of their dependencies: ``FINGERPAD_PEERS`` names the interpreter of an environment that has them.
+statsmodels, lmfit and scikit-image are dependencies of the tests. The others are compared where they are
+installed, and their rows else say what to install: ``pip install nanite``, ``pip install --no-deps pyfing``,
+and in an environment of its own ``pip install slippy tribology``, with the old versions of NumPy and SciPy
+that they need; ``FINGERPAD_PEERS`` names the interpreter of that environment.
 """
 
 import json
@@ -84,6 +85,20 @@ def _pressed(ratio: ArrayLike) -> Contact:
     return hertz_contact(bodies, Tissue.of_reduced_modulus(MODULUS), load=LOAD)
 
 
+# What installs a peer that is no dependency of the tests.
+INSTALL: Final = {
+    "slippy": "pip install slippy into the environment of FINGERPAD_PEERS",
+    "tribology": "pip install tribology into the environment of FINGERPAD_PEERS",
+    "pyfing": "pip install --no-deps pyfing",
+    "nanite": "pip install nanite",
+}
+
+
+def _missing(name: str) -> str:
+    """Return what the row of a peer says that is not installed."""
+    return f"{name}: not installed ({next(how for peer, how in INSTALL.items() if peer in name)})"
+
+
 def hertz() -> None:
     """Print the largest error of semi-axes and indentation, and the time of a contact, of each peer."""
     exact = np.array([[float(x) for x in exact_contact(r, RADIUS, LOAD, MODULUS)[:3]] for r in RADII_RATIOS])
@@ -99,7 +114,7 @@ def hertz() -> None:
     for peer in ("slippy", "tribology"):
         answer = _ask(peer)
         if answer is None:
-            rows.append((f"{peer}: not installed", "–", "–", "–"))
+            rows.append((_missing(peer), "–", "–", "–"))
         else:
             rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
     table(
@@ -158,7 +173,7 @@ Measured: TypeAlias = tuple[float, float, float]
 _NONE: Final = (math.nan,) * 3
 
 
-def contact_image(count: int = 2) -> None:
+def contact_image(count: int) -> None:
     """Print errors of gross area and semi-axes on images of known truth, and the time of an image."""
     images = [image for _, image in independent_images(count, seed=77)]
     truth = np.array([(image.gross_area, *image.semi_axes) for image in images])
@@ -173,7 +188,7 @@ def contact_image(count: int = 2) -> None:
         try:
             found = [way(image) for image in images]
         except ImportError:
-            rows.append((f"{name}: not installed", *4 * ("–",), 0))
+            rows.append((_missing(name), *4 * ("–",), 0))
             continue
         errors = np.array(found) / truth - 1
         area, rms = errors[:, 0], float(np.sqrt(np.nanmean(errors[:, 1:] ** 2)))
@@ -264,7 +279,7 @@ def pooled() -> None:
     )
 
 
-def loading(count: int = 12) -> None:
+def loading(count: int) -> None:
     """Print errors of modulus and place of contact from records of force and displacement, radius known."""
     rows = []
     for name in ("Hertz, white noise", "Hertz, 1/f noise", "layer of 8 mm on bone"):
@@ -281,7 +296,7 @@ def loading(count: int = 12) -> None:
                     value, std, at = answer
                     found.append((value / pad.modulus - 1, std / pad.modulus, at - place, spent))
             if not found:
-                rows.append((name, f"{way}: not installed", *4 * ("–",)))
+                rows.append((name, _missing(way), *4 * ("–",)))
                 continue
             e, std, at, spent = np.array(found).T
             micrometres = f"{1e3 * np.sqrt(np.mean(at**2)):.0f} µm"
@@ -360,7 +375,7 @@ def _fit_nanite(curve: LoadingCurve, radius: float) -> tuple[float, float, float
 WAYS: Final = {"fingerpad": _fit_ours, "lmfit, paraboloid": _fit_lmfit, "nanite, hertz_para": _fit_nanite}
 
 
-def report(images: int = 2, curves: int = 12) -> None:
+def report(images: int = 1, curves: int = 8) -> None:
     """Print all comparisons."""
     hertz()
     contact_image(images)

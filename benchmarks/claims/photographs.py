@@ -85,6 +85,14 @@ def trial(seed: int, *, marked: bool) -> Trial | None:
     )
 
 
+def _interval(size: FloatArray, repeats: int = 2000) -> tuple[float, float]:
+    """Return the 95 % interval of what 95 % of the errors are within, by drawing photographs again."""
+    rng = np.random.default_rng(0)
+    drawn = size[rng.integers(len(size), size=(repeats, len(size)))].reshape(repeats, -1)
+    low, high = np.quantile(np.quantile(drawn, 0.95, axis=1), [0.025, 0.975])
+    return float(low), float(high)
+
+
 def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
     """Print errors, stated uncertainties and coverage by the arc's extent."""
     with ProcessPoolExecutor(2) as pool:
@@ -97,12 +105,15 @@ def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
             if some:
                 errors, stds = (np.array([getattr(one, name) for one in some]) for name in ("errors", "stds"))
                 size = np.abs(errors)
-                middle, most = percent(float(np.median(size))), percent(float(np.quantile(size, 0.95)))
-                flagged = share([one.flagged for one in some])
-                yield f"{low}–{high}°", len(some), middle, most, stated(errors, stds), flagged
+                middle, flagged = percent(float(np.median(size))), share([one.flagged for one in some])
+                most = percent(float(np.quantile(size, 0.95)))
+                between = " to ".join(map(percent, _interval(size)))
+                yield f"{low}–{high}°", len(some), middle, most, between, stated(errors, stds), flagged
 
     way = "Nine marks, the arc's ends among them" if marked else "Arc found automatically, from 120°"
-    columns = ("arc", "faces", "median error", "95 % within", "stated, held", "flagged")
+    columns = (
+        "arc", "faces", "median error", "95 % within", "known to", "stated, held", "flagged"
+    )  # fmt: skip
     table(columns, cells(), f"{way}: {count} photographs, {count - len(done)} refused")
 
 

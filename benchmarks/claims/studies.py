@@ -82,7 +82,7 @@ def _contacts(
         )
 
 
-def study_coverage(repeats: int = 1000, first_seed: int = 0) -> dict[str, tuple[float, float]]:
+def study_coverage(repeats: int, first_seed: int) -> dict[str, tuple[float, float]]:
     """Print and return coverage and bias (in stated uncertainties) of radii and modulus."""
     scores = [simulated_study(first_seed + k) for k in range(repeats)]
     found = {}
@@ -104,6 +104,6 @@ def study_coverage(repeats: int = 1000, first_seed: int = 0) -> dict[str, tuple[
     return found
 
 
-def report(repeats: int = 1000, first_seed: int = 0) -> None:
+def report(repeats: int = 400, first_seed: int = 0) -> None:
     """Print coverage and bias."""
     study_coverage(repeats, first_seed)
