@@ -1,15 +1,23 @@
 """How tests write a small study: a finger of known semi-axes, and what was measured of it."""
 
+import csv
 import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fingerpad.loading import LoadingCurve
+from fingerpad.simulate import outline_points
+from fingerpad.study.corrections.items import CORRECTIONS_NAME
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest.load import read_study
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 
+OUTLINES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
 PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 
 
@@ -72,6 +80,14 @@ def write_study(folder: Path, *tables: Table, title: str = "T", **top: Any) -> P
     return folder / "study.toml"
 
 
+def study_of(*tables: Table, title: str = "T", **top: Any) -> Study:
+    """Return a study of tables without its files, which need not be there."""
+    lists: dict[str, list[dict[str, Any]]] = {}
+    for table in tables:
+        lists.setdefault(table.kind, []).append(table.keys)
+    return Study.model_validate({"title": title, **top, **lists})
+
+
 def run(folder: Path, *tables: Table, **top: Any) -> StudyResult:
     """Write a study, run it into its folder ``out``, and return the result."""
     return run_study(write_study(folder, *tables, **top), folder / "out")
@@ -92,8 +108,44 @@ def _toml(value: object) -> str:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
 
 
+def correct(
+    folder: Path, item: str, change: dict[str, Any], *, who: str = "anna", name: str = CORRECTIONS_NAME
+) -> None:
+    """Append a correction to those of a study."""
+    log = CorrectionLog(folder, name)
+    study = read_study(folder / "study.toml")
+    log.append(item, change, who=who, expected=log.history(item).last_id, study=study)
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a CSV that a run wrote, as text."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def summary_of(out: Path) -> dict[str, Any]:
+    """Return the content of summary.json, as a script reads it."""
+    content: dict[str, Any] = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    return content
+
+
+def write_numbers(path: Path, header: str, rows: ArrayLike) -> None:
+    """Write a CSV of numbers."""
+    np.savetxt(path, np.asarray(rows), delimiter=",", header=header, comments="")
+
+
+def write_outlines(
+    folder: Path, axes: dict[str, tuple[float, float]] = OUTLINES, *, decimals: int = 15, **keys: Any
+) -> list[dict[str, Any]]:
+    """Write the outline of each face, and return what a finger names as photographs."""
+    for face, (across, along) in axes.items():
+        points = outline_points(across, along).round(decimals)
+        write_numbers(folder / f"{face}.csv", "x_mm,y_mm", points)
+    return [{"face": face, "outline": f"{face}.csv", **keys} for face in axes]
+
+
 def write_curve(path: Path, made: LoadingCurve) -> None:
     """Write a loading curve as instruments export it."""
     columns = [made.time, made.load, made.indentation, *([] if made.area is None else [made.area])]
     header = "time_s,force_N,displacement_mm" + ("" if made.area is None else ",area_mm2")
-    np.savetxt(path, np.stack(columns, axis=-1), delimiter=",", header=header, comments="")
+    write_numbers(path, header, np.stack(columns, axis=-1))

@@ -15,12 +15,11 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.command import run, run_json
-from tests.studies import contact, finger, picture, write_study
+from tests.studies import OUTLINES, contact, finger, picture, summary_of, write_outlines, write_study
 
 from fingerpad.cli import app
 from fingerpad.cli.progress import ProgressDisplay
 from fingerpad.simulate import (
-    outline_points,
     render_coin,
     render_contact_image,
     render_finger,
@@ -374,11 +373,9 @@ def test_progress_bar_on_terminals_only(
 
 
 def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
-    outlines = {"palmar": (11.8, 13.8), "distal": (12.8, 7.9), "radial": (7.9, 13.8)}
-    for face, axes in outlines.items():  # as they come out of a drawing program, to a micrometre
-        points = outline_points(*axes).round(3)
-        np.savetxt(tmp_path / f"{face}.csv", points, delimiter=",", header="x_mm,y_mm", comments="")
-    faces = [{"face": face, "outline": f"{face}.csv", "outline_relative_std": 0.01} for face in outlines]
+    # As they come out of a drawing program, to a micrometre.
+    drawn = {"decimals": 3, "outline_relative_std": 0.01}
+    faces = write_outlines(tmp_path, OUTLINES | {"distal": (12.8, 7.9)}, **drawn)
     stated = {"wedge_angle_deg_std": 0.3}
     study = write_study(tmp_path, finger(photographs=faces), contact(axis=""), uncertainty=stated)
     code, out, err = run("run", study, "--out", tmp_path / "out")
@@ -387,7 +384,7 @@ def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
     assert re.search(
         r"faces disagree \(p = .*palmar face: radial–ulnar −\d\.\d %.*; distal face: .*\+\d", line
     )
-    (joint,) = json.loads((tmp_path / "out" / "summary.json").read_text())["fingers"]
+    (joint,) = summary_of(tmp_path / "out")["fingers"]
     assert 11.8 < joint["radial_ulnar_mm"] < 12.8
     assert joint["p_value"] < 0.01 < joint["between_faces_relative_std"]
     palmar, distal, _ = joint["faces"]

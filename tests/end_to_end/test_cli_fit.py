@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 from tests import command
-from typer.testing import CliRunner
+from tests.studies import write_curve, write_numbers
 
-from fingerpad.cli import app
 from fingerpad.simulate import simulate_loading_curve
 
 NUMBERS = (
@@ -27,11 +26,8 @@ def curve(tmp_path: Path) -> Path:
         loading_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, contact_offset=1.0,
         hold=5.0, unloading=True, points=200, force_std=0.004, displacement_std=0.004, area_std=1.0,
     )  # fmt: skip
-    path = tmp_path / "press.csv"
-    columns = np.stack([record.time, record.load, record.indentation, record.area], axis=-1)
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6f")
-    return path
+    write_curve(tmp_path / "press.csv", record)
+    return tmp_path / "press.csv"
 
 
 def test_json_keys(curve: Path) -> None:
@@ -55,7 +51,7 @@ def test_json_keys(curve: Path) -> None:
 def test_undetermined_is_null_with_reason(curve: Path, tmp_path: Path) -> None:
     bare = tmp_path / "bare.csv"
     rows = np.loadtxt(curve, delimiter=",", skiprows=1)[:, [1, 2]] * [1000, 1]
-    np.savetxt(bare, rows, delimiter=",", header="Fz,stage", comments="", fmt="%.4f")
+    write_numbers(bare, "Fz,stage", rows)
     columns = ("--column", "force=Fz:mN", "--column", "displacement=stage:mm")
     record = json.loads(run(bare, *columns, "--json")[1])
     for name in ("loading_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
@@ -80,19 +76,9 @@ def test_flags_of_the_layer_say_what_to_do(curve: Path) -> None:
 def test_figures(curve: Path, tmp_path: Path) -> None:
     assert run(curve, "--plot", tmp_path / "figures")[0] == 0
     names = {path.name for path in (tmp_path / "figures").glob("*.svg")}
-    assert names == {
-        f"press_{name}.svg"
-        for name in (
-            *(
-                "load_indentation",
-                "residuals",
-                "compliance",
-                "secant_modulus_load",
-                "secant_modulus_indentation",
-            ),
-            "relaxation",
-        )
-    }
+    drawn = ("load_indentation", "residuals", "compliance", "relaxation")
+    drawn += ("secant_modulus_load", "secant_modulus_indentation")
+    assert names == {f"press_{name}.svg" for name in drawn}
 
 
 def test_what_is_wrong_with_a_table_is_said_with_the_flag_to_paste(tmp_path: Path) -> None:
@@ -101,9 +87,8 @@ def test_what_is_wrong_with_a_table_is_said_with_the_flag_to_paste(tmp_path: Pat
     path = tmp_path / "curve.csv"
 
     def fitted(header: str, *arguments: str) -> tuple[str, str]:
-        np.savetxt(path, rows, delimiter=",", header=header, comments="")
-        result = CliRunner().invoke(app, ["fit", str(path), *arguments])
-        return result.stdout, result.stderr
+        write_numbers(path, header, rows)
+        return run(path, *arguments)[1:]
 
     out, err = fitted("Fz (mN),Disp (mm),Area (mm2)")
     found = re.search(r"--column '(.*)'", err)

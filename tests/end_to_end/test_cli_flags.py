@@ -1,8 +1,12 @@
-"""Every flag that takes numbers, given absurd ones: a refusal that names it, or a result."""
+"""Every flag that takes numbers, given absurd ones: a refusal that names it, or a result.
+
+A new command with such a flag needs an example in `VALID`, and a new flag that is nothing alone an entry in
+`BESIDE`.
+"""
 
 import inspect
 import typing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +14,7 @@ import numpy as np
 import pytest
 import typer
 from PIL import Image
+from tests.studies import contact, finger, write_numbers, write_study
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -26,13 +31,7 @@ IN_PLAIN_WORDS = {
     "--load-range-n", "--seed-px", "--contact-load-n", "--port", "--cycle", "--threshold",
     "--radius-mm",
 }  # fmt: skip
-STUDY = (
-    'title = "t"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n'
-    '[[fingers]]\nname = "f"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
-    "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
-    '[[observations]]\nname = "o"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
-    "ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }\n"
-)
+# One example of each command, which runs in the folder of the fixture.
 VALID = {
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
     "hertz": "--radii-mm 12 14 --reduced-modulus-kpa 100 --load-n 2",
@@ -42,9 +41,9 @@ VALID = {
     "simulator": "--semi-axes-mm 8 14 12 --wedge-deg 30 --youngs-modulus-kpa 100 --load-n 1 2",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
-    "figure": "figure.json --out figure.svg",
+    "figure": "figure.json",
     "run": "study.toml",
-    "app": "nowhere.toml",
+    "app": "nowhere.toml",  # which does not begin to serve
     "measure print": "print.png --ppi 250",
     "measure photo": "palmar.png --face palmar --mm-per-px 0.2",
     "measure sequence": "frames --ppi 250 --frames-per-second 10",
@@ -80,21 +79,28 @@ BESIDE = {
 }
 
 
+def commands() -> dict[str, Callable[..., None]]:
+    """Return the commands by the words that call them."""
+    groups = [("", app), *((f"{group.name} ", group.typer_instance) for group in app.registered_groups)]
+    return {
+        prefix + (command.name or command.callback.__name__): command.callback
+        for prefix, group in groups
+        for command in group.registered_commands
+    }
+
+
 def flags() -> Iterator[tuple[str, str, int]]:
     """Yield each command with each of its flags that take numbers, and how many it takes."""
-    groups = [("", app), *((f"{group.name} ", group.typer_instance) for group in app.registered_groups)]
-    for prefix, group in groups:
-        for command in group.registered_commands:
-            name = prefix + (command.name or command.callback.__name__)
-            for parameter in inspect.signature(command.callback).parameters.values():
-                kind, option = typing.get_args(parameter.annotation)[:2]
-                if not isinstance(option, typer.models.OptionInfo):
-                    continue
-                names = [text for text in option.param_decls or () if text.startswith("--")]
-                flag = names[0] if names else f"--{parameter.name.replace('_', '-')}"
-                kinds = {kind, *typing.get_args(kind)}
-                if flag in OF_TEXT or kinds & {int, float}:
-                    yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
+    for name, callback in commands().items():
+        for parameter in inspect.signature(callback).parameters.values():
+            kind, option = typing.get_args(parameter.annotation)[:2]
+            if not isinstance(option, typer.models.OptionInfo):
+                continue
+            names = [text for text in option.param_decls or () if text.startswith("--")]
+            flag = names[0] if names else f"--{parameter.name.replace('_', '-')}"
+            kinds = {kind, *typing.get_args(kind)}
+            if flag in OF_TEXT or kinds & {int, float}:
+                yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
 
 
 def test_a_flag_of_a_modulus_says_which() -> None:
@@ -124,7 +130,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     board = np.full((200, 240), 230, dtype=np.uint8)
     board[20:180, 20:220][np.kron(np.indices((8, 10)).sum(axis=0) % 2 == 0, np.ones((20, 20), bool))] = 30
     Image.fromarray(board).save(folder / "grid.png")
-    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    write_study(folder, finger(), contact(axis=""), uncertainty={"wedge_angle_deg_std": 0.3})
     (folder / "force.csv").write_text("time_s,force_N\n" + "".join(f"{t / 10},{t}\n" for t in range(9)))
     (folder / "Results.csv").write_text(" ,Major,Minor,Angle\n1,300,200,90\n", encoding="utf-8")
     drawn, (panel,) = new_panels()
@@ -133,15 +139,32 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     curve = simulate_loading_curve()
     assert curve.time is not None
     rows = np.column_stack((curve.time, curve.load, curve.indentation))[::40]
-    np.savetxt(
-        folder / "curve.csv", rows, delimiter=",", header="time_s,force_N,displacement_mm", comments=""
-    )
+    write_numbers(folder / "curve.csv", "time_s,force_N,displacement_mm", rows)
     return folder
+
+
+def example(command: str) -> list[str]:
+    if command not in VALID:
+        pytest.fail(f"VALID: add an example of the new command here: {command!r}")
+    return VALID[command].split()
+
+
+def called(command: str, given: list[str], out: Path) -> Any:
+    """Call a command, which writes to `out` if it writes anything."""
+    writes = "out" in inspect.signature(commands()[command]).parameters
+    return CliRunner().invoke(app, [*command.split(), *given, *(["--out", str(out)] if writes else [])])
+
+
+@pytest.mark.parametrize("command", sorted({command for command, *_ in flags()} - {"app"}))
+def test_examples_run(command: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    done = called(command, example(command), tmp_path / "out.svg")
+    assert (done.exit_code, done.exception) == (0, None), done.stderr
 
 
 def arguments(command: str, flag: str, count: int, value: str) -> list[str]:
     beside, without = BESIDE.get(f"{command} {flag}") or BESIDE.get(flag, ("", ""))
-    base, given = [*VALID[command].split(), *beside.split()], []
+    base, given = [*example(command), *beside.split()], []
     dropped = {flag, *without.split()}
     while base:
         word = base.pop(0)
@@ -150,7 +173,7 @@ def arguments(command: str, flag: str, count: int, value: str) -> list[str]:
             continue
         while base and not base[0].startswith("--"):
             base.pop(0)
-    return [*command.split(), *given, flag, *[value] * count]
+    return [*given, flag, *[value] * count]
 
 
 @pytest.mark.parametrize(("command", "flag", "count"), list(flags()))
@@ -159,11 +182,8 @@ def test_extreme_numbers(
 ) -> None:
     monkeypatch.chdir(folder)
     faults = []
-    for value in ABSURD:
-        given = arguments(command, flag, count, value)
-        if command in {"run", "import fiji"}:
-            given += ["--out", str(tmp_path / f"out{len(faults)}{value}.csv".replace("/", ""))]
-        done: Any = CliRunner().invoke(app, given)
+    for number, value in enumerate(ABSURD):
+        done = called(command, arguments(command, flag, count, value), tmp_path / f"{number}.svg")
         words = " ".join(done.stderr.replace("│", " ").split())
         unforeseen = "cannot be done (" in words or "cannot be measured (" in done.stdout
         named = flag in words or flag in IN_PLAIN_WORDS

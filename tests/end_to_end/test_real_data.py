@@ -1,13 +1,11 @@
 """A study of real prints and real curves by the command line, from the manifest to the report."""
 
-import csv
-import json
 import shutil
 from pathlib import Path
 
 import pytest
 from tests import command
-from tests.studies import contact, curve, finger, picture, write_study
+from tests.studies import contact, curve, finger, picture, rows_of, summary_of, write_study
 
 CURVES = Path(__file__).parents[1] / "loading" / "data"
 PRINTS = Path(__file__).resolve().parents[3] / "shared" / "data" / "nist_nbis_livescan_slaps"
@@ -31,8 +29,8 @@ def test_real_curves_in_a_study_have_the_moduli_that_others_find(tmp_path: Path)
     ]
     study = write_study(tmp_path, *(finger(name[:3]) for name in RECORDS), *records)
     run("run", study)
-    summary = json.loads((tmp_path / "results" / "summary.json").read_text(encoding="utf-8"))
-    for found, (name, (_, modulus)) in zip(summary["curves"], RECORDS.items(), strict=True):
+    curves = summary_of(tmp_path / "results")["curves"]
+    for found, (name, (_, modulus)) in zip(curves, RECORDS.items(), strict=True):
         low, high = found["fit"]["reduced_modulus_kpa_ci95"]
         assert low < modulus < high or found["fit"]["reduced_modulus_kpa"] == pytest.approx(modulus, rel=0.03)
         assert name in (tmp_path / "results" / "report.html").read_text(encoding="utf-8")
@@ -47,8 +45,7 @@ def test_real_prints_become_a_report(tmp_path: Path) -> None:
     by_hand = contact("by_hand", 1, (10.0, 7.0), finger="left_index", axis="")
     study = write_study(tmp_path, *map(finger, names), *prints, by_hand)
     said = run("run", study)
-    with (tmp_path / "results" / "results.csv").open(encoding="utf-8") as file:
-        rows = {row["observation"]: row for row in csv.DictReader(file)}
+    rows = {row["observation"]: row for row in rows_of(tmp_path / "results" / "results.csv")}
     for name in names:
         # What one crude threshold finds of these three is 175 to 247 mm².
         assert 150 < float(rows[name]["gross_area_mm2"]) < 270

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.studies import PAD, Table, finger, sequence, study_of
 
 from fingerpad.image import SequenceSummary
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
-from fingerpad.study.manifest.models import Contact, ContactSequence, Study
+from fingerpad.study.manifest.models import Contact, ContactSequence
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult
@@ -23,7 +24,7 @@ from fingerpad.study.results.methods import provenance
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
-AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
+AXES, AXES_STD = tuple(PAD.values()), 0.1
 EDGE_STD, SCALE_STD = 0.05, 0.01
 
 
@@ -31,15 +32,15 @@ def sequences_of(rows: int) -> list[ContactSequence]:
     """Return the sequences of so many rows: at most `FRAMES` each, over fingers and angles."""
     return [
         ContactSequence.model_validate(
-            {
-                "name": f"sequence_{number}",
-                "finger": f"finger_{number % FINGERS}",
-                "wedge_angle_deg": WEDGES[number // FINGERS % 2],
-                "file": f"sequence_{number}.tif",
-                "force": f"sequence_{number}.csv",
-                "scale": {"ppi": 500},
-                "synthetic": True,
-            }
+            sequence(
+                f"sequence_{number}",
+                f"sequence_{number}.tif",
+                finger=f"finger_{number % FINGERS}",
+                wedge=WEDGES[number // FINGERS % 2],
+                force=f"sequence_{number}.csv",
+                scale={"ppi": 500},
+                synthetic=True,
+            ).keys
         )
         for number in range(math.ceil(rows / FRAMES))
     ]
@@ -96,13 +97,11 @@ def study_result(rows: int, folder: Path) -> StudyResult:
     sequences = sequences_of(rows)
     counts = [min(FRAMES, rows - FRAMES * number) for number in range(len(sequences))]
     names = dict.fromkeys(sequence.finger for sequence in sequences)
-    study = Study.model_validate(
-        {
-            "title": f"Synthetic study of {rows:,} rows",
-            "fingers": [{"name": name, **_given()} for name in names],
-            "sequences": [sequence.model_dump(exclude_defaults=True) for sequence in sequences],
-            "uncertainty": {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02},
-        }
+    study = study_of(
+        *(finger(name, std=AXES_STD) for name in names),
+        *(Table("sequences", one.model_dump(exclude_defaults=True)) for one in sequences),
+        title=f"Synthetic study of {rows:,} rows",
+        uncertainty={"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02},
     )
     known = {
         name: FingerResult(
@@ -116,9 +115,9 @@ def study_result(rows: int, folder: Path) -> StudyResult:
     }
 
     def seen() -> Iterator[tuple[Contact, Measurement]]:
-        for sequence, count in zip(sequences, counts, strict=True):
-            for measured in measurements_of(sequence, count):
-                yield sequence, measured
+        for press, count in zip(sequences, counts, strict=True):
+            for measured in measurements_of(press, count):
+                yield press, measured
 
     with Store.writing(folder / STORE_NAME) as store:
         return result_of(
@@ -155,14 +154,6 @@ class _InProcess:
 
     def require_workers(self) -> None:
         pass
-
-
-def _given() -> dict[str, dict[str, float]]:
-    names = ("palmar", "distal", "radial_ulnar")
-    return {
-        "semi_axes_mm": dict(zip(names, AXES, strict=True)),
-        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
-    }
 
 
 def _sequence(sequence: ContactSequence, count: int) -> SequenceResult:

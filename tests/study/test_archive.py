@@ -11,6 +11,7 @@ import pytest
 import tomlkit
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from tests.studies import finger
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -18,16 +19,7 @@ from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.share import Bundle, pack, unpack
 
 ROOM = 10**9
-HEAD = {
-    "title": "T",
-    "fingers": [
-        {
-            "name": "f",
-            "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
-            "semi_axes_mm_std": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
-        }
-    ],
-}
+HEAD = {"title": "T", "fingers": [finger().keys]}
 OBSERVATION = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1, "scale": {"ppi": 500}}
 RECORD = {"id": 1, "item": "x", "when": "", "who": "ada", "action": "change", "change": {}, "picture": ""}
 ODD_NAMES = (
@@ -86,17 +78,7 @@ def write(folder, files, folders, ways):
             (folder / name).mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
             continue
-    observations = [
-        {
-            "name": f"o{k}",
-            "finger": "f",
-            "wedge_angle_deg": 30,
-            "load_N": 1,
-            "file": name,
-            "scale": {"ppi": 500},
-        }
-        for k, name in enumerate(used)
-    ]
+    observations = [{"name": f"o{k}", "file": name, **OBSERVATION} for k, name in enumerate(used)]
     (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": observations}))
     (folder / "corrections.jsonl").write_text(json.dumps(RECORD) + "\n")
     (folder / "results/figures").mkdir(parents=True, exist_ok=True)

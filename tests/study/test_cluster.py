@@ -14,13 +14,12 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
+from tests import command
 from tests.study.crashing import crash
 from tests.study.small_study import FRAMES, PICTURES, copy, copy_unfinished
 from tests.waiting import wait_until
-from typer.testing import CliRunner
 
 import fingerpad
-from fingerpad.cli import app
 from fingerpad.exceptions import ClusterError
 from fingerpad.study.engine import cluster
 from fingerpad.study.engine.runner import Progress
@@ -313,9 +312,9 @@ def test_scheduler_without_workers(
 
 def refusal(manifest: Path, out: Path, scheduler: str) -> str:
     """Return what the command says when it refuses to run."""
-    result = CliRunner().invoke(app, ["run", str(manifest), "--out", str(out), "--scheduler", scheduler])
-    assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
-    return " ".join(result.stderr.split())
+    code, _, error = command.run("run", manifest, "--out", out, "--scheduler", scheduler)
+    assert code == 2
+    return " ".join(error.split())
 
 
 @pytest.mark.nightly

@@ -1,6 +1,5 @@
 """Studies side by side: what is read is what was run, and means over people are what they say."""
 
-import csv
 import json
 import math
 import re
@@ -12,12 +11,10 @@ import numpy as np
 import pytest
 from benchmarks.claims import pooling
 from numpy.testing import assert_allclose
-from tests import studies
+from tests import command, studies
 from tests.studies import PAD, Table, contact
 from tests.sums import write_sums
-from typer.testing import CliRunner
 
-from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.marks import Figure
 from fingerpad.report.compare import forest_plot, write_comparison_page
@@ -240,8 +237,7 @@ def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
         ("Lab B", "pad", Person("Lab B", False)),
         ("Lab C", "index", Person("Lab C", False)),
     }
-    summary = json.loads((runs[0] / "summary.json").read_text())
-    for row in summary["summaries"]:
+    for row in studies.summary_of(runs[0])["summaries"]:
         for quantity in ("radius_from_indentation_mm", "mean_curvature_radius_mm"):
             (one,) = [
                 v for v in found.values
@@ -315,8 +311,7 @@ def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:
 def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> None:
     found = compare_studies(runs)
     write_comparison(found, tmp_path)
-    with (tmp_path / "compare.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = studies.rows_of(tmp_path / "compare.csv")
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
     assert {row["person"] for row in rows} == {"P01", "P02", ""}
     assert {row["unit"] for row in rows} == {"mm", "kPa", "1"}
@@ -362,14 +357,13 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
 
 
 def changed(run: Path, folder: Path, **keys: Any) -> Path:
-    summary = json.loads((run / "summary.json").read_text())
     folder.mkdir()
-    (folder / "summary.json").write_text(json.dumps({**summary, **keys}))
+    (folder / "summary.json").write_text(json.dumps({**studies.summary_of(run), **keys}))
     return write_sums(folder)
 
 
 def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Path) -> None:
-    provenance = json.loads((runs[2] / "summary.json").read_text())["provenance"]
+    provenance = studies.summary_of(runs[2])["provenance"]
     older = changed(
         runs[2], tmp_path / "older", provenance={**provenance, "fingerpad": "0.0.9"}, failures=["x"]
     )
@@ -394,7 +388,7 @@ def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: 
 
 def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_path: Path) -> None:
     copy = changed(runs[0], tmp_path / "copy", title="Renamed")
-    provenance = json.loads((runs[2] / "summary.json").read_text())["provenance"]
+    provenance = studies.summary_of(runs[2])["provenance"]
     other = changed(runs[2], tmp_path / "other", provenance={**provenance, "inputs_sha256": {"x": "y"}})
     broken = changed(runs[2], tmp_path / "broken", summaries=[{"finger": "index"}], title="Broken")
     odd = changed(runs[2], tmp_path / "odd", fingers="none", title="Odd")
@@ -416,28 +410,22 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_pat
 
 
 def test_from_the_command_line(runs: list[Path], tmp_path: Path) -> None:
-    def cli(*arguments: object) -> tuple[int, str, str]:
-        result = CliRunner().invoke(app, ["compare", *map(str, arguments)])
-        assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-        return result.exit_code, result.stdout, result.stderr
-
-    code, said, error = cli(*runs, "--out", tmp_path / "out")
+    code, said, error = command.run("compare", *runs, "--out", tmp_path / "out")
     assert (code, error) == (0, "")
     assert "P01, l_index" in said
     assert "Lab B, pad  (synthetic)" in said
     assert "mean of 3 people" in said
     assert f"Page: {tmp_path / 'out' / 'compare.html'}" in said
-    code, said, _ = cli(*runs, "--json")
-    assert code == 0
-    assert {study["study"] for study in json.loads(said)["studies"]} == {"Lab <b>A</b>", "Lab B", "Lab C"}
-    code, _, error = cli(runs[0], runs[0])
+    compared = command.run_json("compare", *runs)["studies"]
+    assert {study["study"] for study in compared} == {"Lab <b>A</b>", "Lab B", "Lab C"}
+    code, _, error = command.run("compare", runs[0], runs[0])
     assert code == 2
     assert error.startswith("fingerpad: ")
 
 
 def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) -> None:
     found = compare_studies(runs)
-    summaries = [s for run in runs for s in json.loads((run / "summary.json").read_text())["summaries"]]
+    summaries = [one for run in runs for one in studies.summary_of(run)["summaries"]]
     hertz = [one for one in found.verdicts if one.model == "Hertz theory"]
     assert [one.verdict for one in hertz] == [s["validity"]["verdict"] for s in summaries]
     for one, summary in zip(hertz, summaries, strict=True):
@@ -445,8 +433,8 @@ def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) 
         assert one.checks
         assert {said[name] for name in one.checks} == {one.verdict}
     write_comparison(found, tmp_path)
-    with (tmp_path / "compare_validity.csv").open(encoding="utf-8") as file:
-        assert [row["verdict"] for row in csv.DictReader(file)] == [one.verdict for one in found.verdicts]
+    written = studies.rows_of(tmp_path / "compare_validity.csv")
+    assert [row["verdict"] for row in written] == [one.verdict for one in found.verdicts]
     page = write_comparison_page(found, tmp_path).read_text(encoding="utf-8")
     for one in found.verdicts:
         assert f"{one.verdict}</span>" in page

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from benchmarks.claims.engine import measured_scales
+from tests.studies import contact, finger, picture, sequence, study_of
 
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image, read_image
 from fingerpad.simulate import render_contact_image, render_finger
@@ -17,7 +18,7 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.models import Observation, Study
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import measure_observation, reviewed
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items
@@ -39,41 +40,18 @@ def folder(tmp_path_factory):
     return folder
 
 
-def study_of():
-    contact = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1}
-    return Study.model_validate(
-        {
-            "title": "t",
-            "scales": {"camera": {"mm_per_px": MM_PER_PX}, "reader": {"ppi": 500}},
-            "fingers": [
-                {
-                    "name": "f",
-                    "photographs": [
-                        {"face": face, "file": f"{face}.png", "scale": "camera", "synthetic": True}
-                        for face in FACES
-                    ],
-                }
-            ],
-            "observations": [
-                {**contact, "name": "p", "file": "print.png", "scale": "reader", "synthetic": True},
-                {**contact, "name": "none", "file": "empty.png", "scale": "reader"},
-                {**contact, "name": "given", "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1}},
-            ],
-            "sequences": [
-                {
-                    "name": "press",
-                    "finger": "f",
-                    "wedge_angle_deg": 30,
-                    "file": "p",
-                    "force": "f",
-                    "scale": "reader",
-                }
-            ],
-        }
-    )
-
-
-STUDY = study_of()
+STUDY = study_of(
+    finger(
+        photographs=[
+            {"face": face, "file": f"{face}.png", "scale": "camera", "synthetic": True} for face in FACES
+        ]
+    ),
+    picture("p", "print.png", 1, scale="reader", synthetic=True),
+    picture("none", "empty.png", 1, scale="reader"),
+    contact("given", 1, (5, 4), axis=""),
+    sequence("press", "p", force="f", scale="reader"),
+    scales={"camera": {"mm_per_px": MM_PER_PX}, "reader": {"ppi": 500}},
+)
 
 
 def measured(folder, tmp_path, name, change=None):

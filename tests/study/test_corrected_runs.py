@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.studies import correct
 from tests.study.small_study import copy
 
 from fingerpad.report import write_report
@@ -28,12 +29,6 @@ def manifest(small_run: Path, tmp_path: Path) -> Path:
     return copy(small_run, tmp_path / "study")
 
 
-def decide(manifest: Path, item: str, change: dict) -> None:
-    log = CorrectionLog(manifest.parent)
-    expected = log.history(item).last_id
-    log.append(item, change, who="anna", expected=expected, study=read_study(manifest))
-
-
 def run(manifest: Path) -> tuple[StudyResult, list[str]]:
     reported: list[Progress] = []
     result = run_study(manifest, manifest.parent / "out", on_progress=reported.append)
@@ -46,7 +41,7 @@ def row_of(result: StudyResult, name: str) -> dict:
 
 def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
     before, _ = run(manifest)
-    decide(manifest, "o1", ELLIPSE)
+    correct(manifest.parent, "o1", ELLIPSE)
     assert study_status(manifest, manifest.parent / "out").stale == 1
     after, measured = run(manifest)
     assert measured == ["o1"]
@@ -54,7 +49,7 @@ def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
     assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("manual", "corrected", "anna")
     assert row["semi_major_mm"] == pytest.approx(40 * 25.4 / 240, rel=1e-3)
     assert row["automatic_semi_major_mm"] == row_of(before, "o1")["semi_major_mm"]
-    decide(manifest, "o1", {})
+    correct(manifest.parent, "o1", {})
     again, measured = run(manifest)
     assert measured == ["o1"]
     assert list(records(again.rows)) == list(records(before.rows))
@@ -69,7 +64,7 @@ def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
 )
 def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, status: str) -> None:
     before, _ = run(manifest)
-    decide(manifest, item, change)
+    correct(manifest.parent, item, change)
     after, measured = run(manifest)
     assert measured == []
     row = row_of(after, item)
@@ -90,8 +85,8 @@ def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, sta
 
 
 def test_the_report_lists_manual_corrections(manifest: Path) -> None:
-    decide(manifest, "o1", ELLIPSE)
-    decide(manifest, "o2", {"rejected": "it <slipped>"})
+    correct(manifest.parent, "o1", ELLIPSE)
+    correct(manifest.parent, "o2", {"rejected": "it <slipped>"})
     result, _ = run(manifest)
     page = write_report(result, manifest.parent / "out").read_text(encoding="utf-8")
     section = page[page.index('<div id="corrections">') : page.index('<div id="methods">')]
@@ -102,7 +97,7 @@ def test_the_report_lists_manual_corrections(manifest: Path) -> None:
 
 def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     before, _ = run(manifest)
-    decide(manifest, "p#8", ELLIPSE)
+    correct(manifest.parent, "p#8", ELLIPSE)
     after, measured = run(manifest)
     assert measured == ["p", "p"]  # the piece, and the drawings
     row = row_of(after, "p#8")
@@ -115,13 +110,13 @@ def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     # A frame without an automatic contact can be measured manually.
     seen = {row["frame"] for row in records(before.rows)}
     empty = min(frame for frame in range(24) if frame not in seen and frame > 1)
-    decide(manifest, f"p#{empty}", ELLIPSE)
+    correct(manifest.parent, f"p#{empty}", ELLIPSE)
     frames = {row["frame"]: row for row in records(run(manifest)[0].rows)}
     assert empty not in frames or frames[empty]["measured_by"] == "manual"
 
 
 def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:
-    decide(manifest, "g/distal.jpg", {"rejected": "nail in view"})
+    correct(manifest.parent, "g/distal.jpg", {"rejected": "nail in view"})
     result, measured = run(manifest)
     assert "g/distal.jpg" not in measured
     assert "palmar" in (result.fingers["g"].reason or "")
@@ -146,15 +141,15 @@ def test_semi_axes_are_out_of_date_once_their_photographs_change(manifest: Path)
     manifest.write_text(text.replace("mm_per_px = 0.1 }", "mm_per_px = 0.11 }", 1))
     assert semi_axes_states(manifest, result)["g"] == "stale"
     manifest.write_text(text)
-    decide(manifest, "g/distal.jpg", {"rejected": "nail in view"})
+    correct(manifest.parent, "g/distal.jpg", {"rejected": "nail in view"})
     assert semi_axes_states(manifest, result)["g"] == "stale"
     result, _ = run(manifest)
     assert semi_axes_states(manifest, result)["g"] == "failed"
 
 
 def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:
-    decide(manifest, "o1", ELLIPSE)
-    decide(manifest, "p#900", {"rejected": "smeared"})
+    correct(manifest.parent, "o1", ELLIPSE)
+    correct(manifest.parent, "p#900", {"rejected": "smeared"})
     text = manifest.read_text()
     manifest.write_text(text.replace('name = "o1"', 'name = "other"'))
     with (manifest.parent / "corrections.jsonl").open("a") as file:
@@ -168,14 +163,14 @@ def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:
 
 def test_corrections_of_a_picture_that_was_replaced_are_told(manifest: Path) -> None:
     for item in ("o1", "o2", "g/distal.jpg", "p#8"):
-        decide(manifest, item, {"accepted": True})
+        correct(manifest.parent, item, {"accepted": True})
     assert not run(manifest)[0].notes
     pictures = {one.name: manifest.parent / one.file for one in read_study(manifest).observations}
     pictures["o1"].write_bytes(pictures["o2"].read_bytes())
     notes = run(manifest)[0].notes
     assert [note.split()[1] for note in notes] == ["o1"]
     assert "another picture or force" in notes[0]
-    decide(manifest, "o1", ELLIPSE)
+    correct(manifest.parent, "o1", ELLIPSE)
     assert not run(manifest)[0].notes
     images = manifest.parent / "frames"
     (images / "f8.png").write_bytes((images / "f9.png").read_bytes())

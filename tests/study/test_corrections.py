@@ -11,6 +11,7 @@ import time
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.studies import contact, finger, picture, sequence, study_of
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -22,45 +23,13 @@ from fingerpad.study.corrections.items import (
     with_settings_of,
 )
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.models import Study
 
-STUDY = Study.model_validate(
-    {
-        "title": "t",
-        "fingers": [
-            {"name": "f", "photographs": [{"face": "palmar", "file": "a/p.jpg", "scale": {"ppi": 500}}]}
-        ],
-        "observations": [
-            *(
-                {
-                    "name": name,
-                    "finger": "f",
-                    "wedge_angle_deg": 30,
-                    "load_N": 1,
-                    "file": "x.png",
-                    "scale": {"ppi": 500},
-                }
-                for name in ("print_1", "print_2")
-            ),
-            {
-                "name": "given",
-                "finger": "f",
-                "wedge_angle_deg": 30,
-                "load_N": 1,
-                "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1},
-            },
-        ],
-        "sequences": [
-            {
-                "name": "press",
-                "finger": "f",
-                "wedge_angle_deg": 30,
-                "file": "p",
-                "force": "f.csv",
-                "scale": {"ppi": 500},
-            }
-        ],
-    }
+PPI_500 = {"scale": {"ppi": 500}}
+STUDY = study_of(
+    finger(photographs=[{"face": "palmar", "file": "a/p.jpg", **PPI_500}]),
+    *(picture(name, "x.png", **PPI_500) for name in ("print_1", "print_2")),
+    contact("given", 1),
+    sequence("press", "p", force="f.csv", **PPI_500),
 )
 STARTS = [{"phase": "loading", "start_s": 0.5}, {"phase": "hold", "start_s": 1.5}]
 PHASES = {"phases": {"starts": STARTS, "why": "slipped"}}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 from tests import command, studies
-from tests.studies import PAD, Table, contact, finger
+from tests.studies import PAD, Table, contact, finger, write_numbers, write_outlines
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.contact import Tissue, fast_contact
@@ -17,7 +17,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
 from fingerpad.report.text import doubtful_results
-from fingerpad.simulate import outline_points, simulate_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import loading_radius, placed_pad
 from fingerpad.study.pipeline import run_study
@@ -26,6 +26,7 @@ from fingerpad.study.results.study_result import StudyResult, digest_of_values
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
+HEADER = "time_s,force_N,displacement_mm,area_mm2"
 UNCERTAINTY = {"wedge_angle_deg_std": 0.3}
 
 
@@ -56,8 +57,7 @@ def write_layer_curve(path: Path) -> None:
     press = fast_contact(placement, tissue, indentation=np.maximum(travel, 1e-6))
     noise = rng.normal(0, [[0.004], [0.8]], (2, 120))
     columns = travel + 0.3, press.load + noise[0], travel, np.where(travel > 0, press.area + noise[1], 0)
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(path, np.stack(columns, axis=-1), delimiter=",", header=header, comments="")
+    write_numbers(path, HEADER, np.transpose(columns))
 
 
 def write_study(
@@ -138,8 +138,7 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: P
 def test_a_curve_in_other_units_is_noted(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", area=False)
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1000, 1]
-    header = "time_s,force_N,displacement_mm"
-    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
+    write_numbers(tmp_path / "a.csv", "time_s,force_N,displacement_mm", rows)
     result = study(tmp_path, of_file())
     assert "millinewtons" in result.notes[0]
 
@@ -163,8 +162,7 @@ def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", points=100, loading_radius=15.0, initial_modulus=0.04)
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)
     rows[:, 2] += 0.06 * rows[:, 1]  # the stage yields by this much, and its encoder counts it as indentation
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
+    write_numbers(tmp_path / "a.csv", HEADER, rows)
     stated = {"stage_compliance_mm_per_N": 0.06, "stage_compliance_mm_per_N_std": 0.002}
     given, plain = study(tmp_path, on_half_space(**stated), on_half_space()).curves
     assert abs(given.loading_radius - 15) < 3 * given.loading_radius_std
@@ -188,11 +186,8 @@ def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
 
 def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Path) -> None:
     """No finger is an ellipsoid, which outlines alone do not tell of the radius across it."""
-    for face, axes in {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}.items():
-        points = outline_points(*axes)
-        np.savetxt(tmp_path / f"{face}.csv", points, delimiter=",", header="x_mm,y_mm", comments="")
-    faces = [{"face": face, "outline": f"{face}.csv"} for face in ("palmar", "distal", "radial")]
-    result = run_study(write_study(tmp_path, of=finger(photographs=faces)), tmp_path / "out")
+    pad = finger(photographs=write_outlines(tmp_path))
+    result = run_study(write_study(tmp_path, of=pad), tmp_path / "out")
     placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
     first, second = placed.placement.curvature.principal_radii
     (row,) = records(result.rows)
@@ -282,9 +277,7 @@ def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> N
     load = np.linspace(0.5, 2.0, 6)
     depth = load ** (2 / 3)
     rows = np.stack([load, depth, np.pi * 14.0 * depth], axis=-1)
-    np.savetxt(
-        tmp_path / "a.csv", rows, delimiter=",", header="force_N,displacement_mm,area_mm2", comments=""
-    )
+    write_numbers(tmp_path / "a.csv", "force_N,displacement_mm,area_mm2", rows)
     result = study(tmp_path, of_file())
     (curve,) = result.curves
     assert curve.loading_radius == pytest.approx(14.0, rel=1e-3)

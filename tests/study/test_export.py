@@ -1,6 +1,5 @@
 """Tables out: what is read back from Parquet and MATLAB files is what the run wrote."""
 
-import csv
 import json
 import re
 import sys
@@ -12,12 +11,10 @@ import pytest
 from pyarrow import parquet
 from scipy import io
 from tests import command
-from tests.studies import contact, finger, picture, write_study
+from tests.studies import contact, correct, finger, picture, rows_of, write_study
 from tests.sums import write_sums
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import load
 from fingerpad.study.results.load import export_results, read_rows
@@ -124,12 +121,10 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
     make(tmp_path)
     (tmp_path / "broken.png").write_bytes(b"no picture")
-    log, study = CorrectionLog(tmp_path), read_study(tmp_path / "study.toml")
     reason = '=HYPERLINK("https://example.org")'
-    log.append("heavy", {"rejected": reason}, who="@anna", expected=0, study=study)
+    correct(tmp_path, "heavy", {"rejected": reason}, who="@anna")
     run_study(tmp_path / "study.toml", tmp_path / "out")
-    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
-        row = next(csv.DictReader(file))
+    row, *_ = rows_of(tmp_path / "out" / "results.csv")
     assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
     read = read_rows(tmp_path / "out").iloc[0]
     assert (read["reason"], read["reviewed_by"]) == (reason, "@anna")

@@ -1,6 +1,5 @@
-"""Hand measurements in: ellipses of known truth, as Fiji's table and ROIs have them, become observations."""
+"""Ellipses of known truth, as Fiji's table and ROIs have them, and what the command makes of them."""
 
-import csv
 import json
 import math
 import struct
@@ -13,17 +12,11 @@ from numpy.testing import assert_allclose
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 from skimage.measure import find_contours, regionprops
 from tests import command
+from tests.studies import finger, write_study
 
-from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
+from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.imports.fiji import (
-    MeasuredEllipse,
-    manual_observations,
-    read_results_table,
-    read_rois,
-    write_observations,
-)
-from fingerpad.study.manifest.sheet import Sheet
+from fingerpad.study.imports.fiji import read_results_table, read_rois
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import first_record
 
@@ -266,171 +259,40 @@ def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path: Path) -
     assert outcomes == {"refused", "read"}
 
 
-# Observations
-
-
-def ellipse(
-    label: str = "a", semi_major: float = 7.4, semi_minor: float = 5.0, orientation: float | None = 0.0
-):
-    return MeasuredEllipse(
-        label=label,
-        source="t, line 2",
-        semi_major=semi_major,
-        semi_minor=semi_minor,
-        orientation_deg=orientation,
-    )
-
-
-@pytest.mark.parametrize(
-    ("pattern", "label", "reported"),
-    [
-        ("{finger}_{load}N", "ring_2N.tif", {"finger": "ring", "load_N": 2}),
-        ("{finger}_{wedge}deg*", "left_ring_4.5deg_x", {"finger": "left_ring", "wedge_angle_deg": 4.5}),
-        ("{person}_{finger}_{load}mN", "S1_LI_500mN.TIF:0012", {"finger": "S1_left_index", "load_N": 0.5}),
-        ("*_{load}N", "stack.x_0p25N", {"load_N": 0.25}),
-        ("{load}N*roll{roll}", "1,5N_xx_roll-10", {"load_N": 1.5, "roll_angle_deg": -10}),
-        ("{load} N (a+b)", "2 N (a+b)", {"load_N": 2}),
-        ("{load}N", "0.5N", {"load_N": 0.5}),
-    ],
-)  # fmt: skip
-def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: dict[str, object]) -> None:
-    found = manual_observations(
-        [ellipse(label), ellipse("other")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern=pattern
-    )
-    assert [row.values for row in found] == [reported, {}]
-
-
-@pytest.mark.parametrize(
-    ("pattern", "message"),
-    [
-        ("{face}", "{face} is unknown: a pattern holds {person}, {finger}, {wedge}, {roll}, {load}"),
-        ("{load}_{load}", "{load} stands twice"),
-        ("w{load}N", "'w{load}N' fits no label, such as 'a'"),
-        ("{finger}_{load}N", "fits no label.* only hand and digit"),
-    ],
-)
-def test_patterns_that_are_none_are_refused(pattern: str, message: str) -> None:
-    with pytest.raises(ManifestError, match=message):
-        manual_observations([ellipse()], mm_per_unit=1, semi_axis_mm_std=0.1, pattern=pattern)
-
-
-def test_a_person_in_labels_is_in_front_of_the_finger_of_all() -> None:
-    (row,) = manual_observations(
-        [ellipse("S7")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern="{person}", known={"finger": "index"}
-    )
-    assert row.values == {"finger": "S7_index"}
-
-
-@pytest.mark.parametrize(
-    ("orientation", "finger_axis", "long_axis"),
-    [
-        (0, 0, "along"), (90, 0, "across"), (-80, 0, "across"), (80, 90, "along"), (-80, 90, "along"),
-        (10, 90, "across"), (None, 0, None),
-    ],
-)  # fmt: skip
-def test_the_long_axis_is_told_from_the_finger(
-    orientation: float | None, finger_axis: float, long_axis: str | None
-) -> None:
-    (row,) = manual_observations(
-        [ellipse(orientation=orientation)], mm_per_unit=1, semi_axis_mm_std=0.1, finger_axis_deg=finger_axis
-    )
-    assert row.long_axis == long_axis
-
-
-def test_a_scale_s_uncertainty_widens_the_axes() -> None:
-    (row,) = manual_observations(
-        [ellipse(semi_major=100, semi_minor=100)],
-        mm_per_unit=0.05,
-        semi_axis_mm_std=0.3,
-        relative_scale_std=0.08,
-    )
-    assert (row.semi_major_mm, row.ellipse_mm_std) == pytest.approx((5.0, 0.5))  # 0.3 and 0.4 in quadrature
-
-
-@pytest.mark.parametrize(
-    ("changed", "error", "message"),
-    [
-        ({"semi_axis_mm_std": 0}, ManifestError, "must be positive, found 0 mm"),
-        ({"finger_axis_deg": math.nan}, ManifestError, "finger_axis_deg must be a finite number"),
-        ({"known": {"load_N": -1}}, ManifestError, "line 2: load_N: expected greater than 0, found -1"),
-        ({"known": {"wedge_angle_deg": 100}}, ManifestError, "line 2: wedge_angle_deg: .* 90, found 100"),
-        ({"mm_per_unit": 25.4}, CalibrationError, "line 2: a semi-major axis of 188 mm is none .* px until"),
-        (
-            {"ellipses": [ellipse("2N")], "known": {"load_N": 2}, "pattern": "{load}N"},
-            ManifestError,
-            "load_N is given for all",
-        ),
-    ],
-)
-def test_what_cannot_be_meant_is_refused(changed: dict[str, object], error: type, message: str) -> None:
-    with pytest.raises(error, match=message):
-        manual_observations(**{"ellipses": [ellipse()], "mm_per_unit": 1, "semi_axis_mm_std": 0.1, **changed})
-
-
-def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -> None:
-    labels = [
-        "a b/c.tif:0001-0203",
-        "A B C.TIF:0001-0203",
-        "",
-        "../..",
-        "ж" * 90,
-        "ж" * 80,
-        "a.tif",
-        "a",
-        "a_2",
-    ]
-    rows = manual_observations(
-        [ellipse(label) for label in labels],
-        mm_per_unit=1,
-        semi_axis_mm_std=0.1,
-        known={"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0},
-    )
-    write_observations(tmp_path / "o.csv", rows)
-    rows = Sheet.parse("o.csv", (tmp_path / "o.csv").read_bytes()).tables()
-    names = [content["name"] for _, content, _ in rows]
-    assert names[:2] == ["a_b_c_0001-0203", "A_B_C_0001-0203_2"]
-    assert len({name.casefold() for name in names}) == len(labels)
+# From the command line
 
 
 def cli(*arguments: object) -> tuple[int, str, str]:
     return command.run("import", "fiji", *arguments)
 
 
-STUDY = """
-title = "By hand"
-observations_csv = "observations.csv"
-[[fingers]]
-name = "index"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-"""
+def study_of(folder: Path) -> Path:
+    """Write a study of one finger, whose observations stand in the CSV that the command writes."""
+    return write_study(folder, finger("index"), observations_csv="observations.csv")
 
 
 def test_from_fiji_to_results(tmp_path: Path) -> None:
     labels = ("index_30deg_2N.tif", "index_45deg_0p5N.tif")
     rows = [{"Label": label, **fiji_row(ellipse_mask(10))} for label in labels]
     results = table(tmp_path, as_table(rows))
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    study = study_of(tmp_path)
     out = tmp_path / "observations.csv"
     pattern = "{finger}_{wedge}deg_{load}N"
     code, said, error = cli(results, "--ppi", 500, "--std-mm", 0.1, "--label-pattern", pattern, "--out", out)
     assert (code, error) == (0, "")
     assert 'observations_csv = "observations.csv"' in said
     assert "Fill in" not in said
-    run_study(tmp_path / "study.toml", tmp_path / "out")
-    with (tmp_path / "out" / "results.csv").open(encoding="utf-8") as file:
-        written = list(csv.DictReader(file))
-    assert [row["measured_by"] for row in written] == ["manual", "manual"]
-    assert [row["load_N"] for row in written] == ["2.0", "0.5"]
-    for row in written:
-        assert float(row["semi_major_mm"]) == pytest.approx(SEMI_MAJOR * PX_MM, rel=2e-3)
-        assert row["long_axis"] == "along"
-        assert float(row["semi_major_mm_std"]) == 0.1
+    written = run_study(study, tmp_path / "out").rows
+    assert written["measured_by"].tolist() == ["manual", "manual"]
+    assert written["load_N"].tolist() == [2.0, 0.5]
+    assert written["semi_major_mm"].tolist() == pytest.approx([SEMI_MAJOR * PX_MM] * 2, rel=2e-3)
+    assert written["long_axis"].tolist() == ["along"] * 2
+    assert written["semi_major_mm_std"].tolist() == [0.1] * 2
 
 
 def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
     results = table(tmp_path, as_table([{"Label": "b.tif", "Major": 14.8, "Minor": 10.0}]))
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    study = study_of(tmp_path)
     out = tmp_path / "observations.csv"
     code, said, _ = cli(results, "--unit", "mm", "--std-mm", 0.1, "--finger", "index", "--out", out)
     assert code == 0
@@ -438,14 +300,14 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
     with pytest.raises(
         ManifestError, match="observations.csv, line 2: wedge_angle_deg: required, but missing"
     ):
-        run_study(tmp_path / "study.toml", tmp_path / "out")
+        run_study(study, tmp_path / "out")
     filled = out.read_text(encoding="utf-8").replace("b,index,,,", "b,index,30,2,")
     out.write_text(filled, encoding="utf-8")
     code, _, error = cli(results, "--unit", "mm", "--std-mm", 0.1, "--out", out)
     assert code == 2
     assert "is there already" in error
     assert out.read_text(encoding="utf-8") == filled
-    assert first_record(run_study(tmp_path / "study.toml", tmp_path / "out").rows)["load_N"] == 2
+    assert first_record(run_study(study, tmp_path / "out").rows)["load_N"] == 2
 
 
 def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
@@ -460,7 +322,7 @@ def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
     bad = tmp_path / "bad.csv"
     for arguments, message in [
         ((in_px,), "Fiji's files name no unit: for lengths in px give either --ppi"),
-        ((in_px, "--unit", "mm"), "line 2: a semi-major axis of 148 mm is none"),
+        ((in_px, "--unit", "mm"), "the scale (Fiji measures in px until a scale is set)"),
         ((in_um, "--unit", "ell"), "--unit takes mm, um, µm, cm, inch, found 'ell'"),
         ((in_um, "--unit", "um", "--ppi", 500), "found a scale beside it"),
         ((rois, "--unit", "mm"), "RoiSet.zip, which is in px"),
@@ -473,8 +335,3 @@ def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
         assert message in error
     assert cli(in_px, "--ppi", 500)[0] == 2  # no uncertainty
     assert not bad.exists()
-
-
-def test_where_nothing_can_be_written_it_is_said(tmp_path: Path) -> None:
-    with pytest.raises(FingerpadError, match="o.csv: cannot be written"):
-        write_observations(tmp_path / "nowhere" / "o.csv", [])

@@ -1,6 +1,5 @@
 """Fingers whose thickness is stated: rows, pooling, loading curves and tables of the layer."""
 
-import json
 import math
 from dataclasses import replace
 from functools import cache
@@ -9,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-from tests.studies import Table, contact, curve, finger, run
+from tests.studies import Table, contact, curve, finger, run, summary_of
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
@@ -91,7 +90,7 @@ def test_out_of_range_is_named_and_not_pooled(
     assert row["youngs_modulus_on_layer_kpa_std"] is None
     assert (row["youngs_modulus_on_layer_kpa"] is None) == (flag != "uncertainty_out_of_range")
     assert summary.layer.pooled["youngs_modulus_on_layer"] is None
-    record = json.loads((tmp_path / "out" / "summary.json").read_text())["summaries"][0]["on_layer"]
+    record = summary_of(tmp_path / "out")["summaries"][0]["on_layer"]
     assert record["pooled"]["youngs_modulus_on_layer_count"] == 0
     assert record["highest_load"]["layer_flag"] == flag
 
@@ -217,7 +216,7 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed: tuple[StudyResult, Path
     thin, thick = (on_layer(result, thickness).quantities[name] for thickness in (7.2, 8.8))
     share = layered.budget["thickness"]
     assert layered.std * share**0.5 == pytest.approx((thick.value - thin.value) / 2, rel=0.1)
-    record = json.loads((folder / "out" / "summary.json").read_text())["curves"][0]["on_layer"]
+    record = summary_of(folder / "out")["curves"][0]["on_layer"]
     assert record[f"{name}_kpa"] == pytest.approx(layered.value)
     assert record["contact_shift_mm"] == pytest.approx(found.contact_shift)
 

@@ -4,43 +4,13 @@ import shutil
 from pathlib import Path
 
 import pytest
+from tests.studies import curve, finger, picture, sequence, write_study
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.load import read_study
 
-STUDY = """
-title = "T"
-observations_csv = "more.csv"
-[scales.reader]
-coin = "coin.png"
-diameter_mm = 23.25
-[[fingers]]
-name = "index"
-photographs = [
-    { face = "palmar", file = "palmar.jpg", scale = "reader" },
-    { face = "distal", outline = "distal.csv" },
-]
-[[observations]]
-name = "a"
-finger = "index"
-wedge_angle_deg = 30
-load_N = 2
-file = "a.png"
-background = "background.png"
-scale = { coin = "euro.png", diameter_mm = 23.25 }
-[[sequences]]
-name = "p"
-finger = "index"
-wedge_angle_deg = 30
-file = "frames"
-force = "force.csv"
-times = "times.csv"
-scale = { ppi = 500 }
-[[curves]]
-finger = "index"
-wedge_angle_deg = 30
-file = "curve.csv"
-"""
+COIN = {"coin": "coin.png", "diameter_mm": 23.25}
+PALMAR = {"face": "palmar", "file": "palmar.jpg", "scale": "reader"}
 FILES = (
     "coin.png", "palmar.jpg", "distal.csv", "a.png", "background.png", "euro.png", "frames/f1.png",
     "frames/f2.png", "force.csv", "times.csv", "curve.csv", "more.csv",
@@ -57,7 +27,15 @@ def study(tmp_path: Path) -> Path:
     header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
     (folder / "more.csv").write_text(f"{header}\nb,index,30,2,7,5,0.1\n")
     shutil.copytree(folder, tmp_path / "outside")
-    (folder / "study.toml").write_text(STUDY)
+    write_study(
+        folder,
+        finger("index", photographs=[PALMAR, {"face": "distal", "outline": "distal.csv"}]),
+        picture("a", "a.png", finger="index", background="background.png", scale=COIN | {"coin": "euro.png"}),
+        sequence("p", "frames", finger="index", force="force.csv", times="times.csv", scale={"ppi": 500}),
+        curve(finger="index", file="curve.csv"),
+        observations_csv="more.csv",
+        scales={"reader": COIN},
+    )
     return folder
 
 
@@ -72,7 +50,8 @@ def test_a_link_out_of_the_study_is_refused_by_name(study: Path, file: str) -> N
 @pytest.mark.parametrize("name", [*(file for file in FILES if "/" not in file), "frames"])
 def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str) -> None:
     (study / "more").symlink_to(study.parent / "outside")
-    (study / "study.toml").write_text(STUDY.replace(f'"{name}"', f'"more/{name}"'))
+    text = (study / "study.toml").read_text()
+    (study / "study.toml").write_text(text.replace(f'"{name}"', f'"more/{name}"'))
     with pytest.raises(ManifestError, match=f"'more/{name}' leaves the study folder; copy the file into it"):
         read_study(study / "study.toml")
 

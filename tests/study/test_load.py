@@ -1,12 +1,11 @@
 """Results in memory: what a run wrote, a DataFrame and a summary."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from tests.studies import contact, finger, write_study
+from tests.studies import contact, finger, rows_of, write_study
 
 import fingerpad as fp
 from fingerpad.study.results.load import read_rows
@@ -29,8 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 def test_the_table_holds_what_the_file_says(folder: str) -> None:
     results = fp.load_results(folder)
-    with (Path(folder) / "results.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(Path(folder) / "results.csv")
     assert isinstance(results.table, pd.DataFrame)
     assert list(results.table) == list(rows[0])
     assert (len(results.table), results.title) == (2, "Two presses")
@@ -63,8 +61,8 @@ def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(
     )
     assert {"semi_major_mm_noise_std", "geometric_radius_from_area_mm"} <= set(every) - set(few)
     pd.testing.assert_frame_equal(every[list(few)], few)
-    with (tmp_path / "results" / "results_columns.csv").open(encoding="utf-8") as file:
-        assert [line["column"] for line in csv.DictReader(file)] == list(every)
+    described = rows_of(tmp_path / "results" / "results_columns.csv")
+    assert [line["column"] for line in described] == list(every)
     table = tmp_path / "results" / "results.csv"
     table.write_text(table.read_text().replace("load_N", "load", 1))
     with pytest.raises(fp.FingerpadError, match=r"results\.csv"):

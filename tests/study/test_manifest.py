@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.studies import Table, curve, finger, picture, study_of
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
@@ -288,75 +289,44 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
     assert len(str(caught.value).splitlines()) == 2
 
 
+LINE = {"line": [[0, 0], [0, 9]], "length_mm": 1, "ends_px_std": 1}
+
+
 @pytest.mark.parametrize(
-    ("uncertainty", "scale", "exact"),
+    ("stated", "scale", "exact"),
     [
-        ("", 'scale = "reader"', ["the load", "Poisson's ratio", "the scale “reader”"]),
+        ({}, "reader", ["the load", "Poisson's ratio", "the scale “reader”"]),
         (
-            "wedge_angle_deg_std = 0\nroll_angle_deg_std = 0",
-            "scale = { ppi = 500 }",
+            {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
+            {"ppi": 500},
             ["the wedge angle", "the roll angle", "the load", "Poisson's ratio", "scales of single pictures"],
         ),
         (
-            "load_relative_std = 0.1\nroll_angle_deg_std = 0",
-            "scale = { ppi = 500, relative_std = 0.01 }",
+            {"load_relative_std": 0.1, "roll_angle_deg_std": 0},
+            {"ppi": 500, "relative_std": 0.01},
             ["the roll angle", "Poisson's ratio"],
         ),
-        (
-            "load_relative_std = 0.1\npoisson_ratio_std = 0.02",
-            "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_px_std = 1 }",
-            [],
-        ),
+        ({"load_relative_std": 0.1, "poisson_ratio_std": 0.02}, LINE, []),
     ],
 )
-def test_says_what_is_taken_as_exact(tmp_path: Path, uncertainty: str, scale: str, exact: list) -> None:
-    (tmp_path / "a.png").write_bytes(b"a picture")
-    text = f"""
-title = "T"
-[uncertainty]
-{uncertainty}
-[scales.reader]
-ppi = 500
-[[fingers]]
-name = "f"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
-[[observations]]
-name = "o"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 1
-file = "a.png"
-{scale}
-"""
-    assert read_study(write(tmp_path, text)).taken_as_exact() == exact
-    thick = text.replace("[[observations]]", "effective_thickness_mm = 8\n[[observations]]")
-    missing = {"the effective thickness of f"}
-    assert set(read_study(write(tmp_path, thick)).taken_as_exact()) == {*exact, *missing}
-    loading = f"{text}[[curves]]\nfinger = 'f'\nwedge_angle_deg = 30\nloading_radius_mm = 20.5\n"
-    assert set(read_study(write(tmp_path, loading)).taken_as_exact()) == {*exact, "R_g of f at 30°"}
-    known = thick.replace("_mm = 8", "_mm = 8\neffective_thickness_mm_std = 1.5")
-    assert read_study(write(tmp_path, known)).taken_as_exact() == exact
+def test_says_what_is_taken_as_exact(stated: dict, scale: object, exact: list) -> None:
+    def taken(*more: Table, **pad: float) -> list[str]:
+        tables = finger(**pad), picture("o", "a.png", scale=scale), *more
+        return study_of(*tables, uncertainty=stated, scales={"reader": {"ppi": 500}}).taken_as_exact()
+
+    thick = {"effective_thickness_mm": 8}
+    assert taken() == exact == taken(**thick, effective_thickness_mm_std=1.5)
+    assert set(taken(**thick)) == {*exact, "the effective thickness of f"}
+    assert set(taken(curve(loading_radius_mm=20.5))) == {*exact, "R_g of f at 30°"}
 
 
 @pytest.mark.parametrize(
-    ("uncertainty", "assumed"),
+    ("stated", "assumed"),
     [
-        ("", ["the wedge angle to ± 3°", "the roll angle to ± 3°"]),
-        ("wedge_angle_deg_std = 0", ["the roll angle to ± 3°"]),
-        ("wedge_angle_deg_std = 3\nroll_angle_deg_std = 1", []),
+        ({}, ["the wedge angle to ± 3°", "the roll angle to ± 3°"]),
+        ({"wedge_angle_deg_std": 0}, ["the roll angle to ± 3°"]),
+        ({"wedge_angle_deg_std": 3, "roll_angle_deg_std": 1}, []),
     ],
 )
-def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(
-    tmp_path: Path, uncertainty: str, assumed: list
-) -> None:
-    text = f"""
-title = "T"
-[uncertainty]
-{uncertainty}
-[[fingers]]
-name = "f"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
-"""
-    assert read_study(write(tmp_path, text)).assumed() == assumed
+def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(stated: dict, assumed: list) -> None:
+    assert study_of(finger(), uncertainty=stated).assumed() == assumed

@@ -1,11 +1,10 @@
 """The methods section: it says what the study states, and names what it does not."""
 
-import json
 from pathlib import Path
 
 import pytest
 from PIL import Image
-from tests.studies import contact, finger, picture, run
+from tests.studies import contact, finger, picture, run, summary_of
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
@@ -65,9 +64,7 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
         "All was measured automatically, without manual review.",
     ):
         assert words in text
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["methods"]["missing"] == list(
-        found.missing
-    )
+    assert summary_of(tmp_path / "out")["methods"]["missing"] == list(found.missing)
 
 
 def test_a_finger_measured_in_two_ways_is_not_counted_as_two(tmp_path: Path) -> None:

@@ -1,17 +1,14 @@
 """A second operator who does not see the first's outlines: what a run makes of both."""
 
-import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.studies import correct, rows_of, summary_of
 from tests.study.small_study import PPI, copy
 
 from fingerpad.report import write_report
 from fingerpad.study.corrections.items import SECOND_OPERATOR_NAME
-from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.load import read_study
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
@@ -31,18 +28,13 @@ def manifest(small_run: Path, tmp_path: Path) -> Path:
     return copy(small_run, tmp_path / "study")
 
 
-def decide(manifest: Path, item: str, change: dict, who: str, name: str = "corrections.jsonl") -> None:
-    log = CorrectionLog(manifest.parent, name)
-    log.append(item, change, who=who, expected=log.history(item).last_id, study=read_study(manifest))
-
-
 def second(manifest: Path, item: str, change: dict, who: str = "bob") -> None:
-    decide(manifest, item, change, who, SECOND_OPERATOR_NAME)
+    correct(manifest.parent, item, change, who=who, name=SECOND_OPERATOR_NAME)
 
 
 def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     for k in range(3):
-        decide(manifest, f"o{k}", ellipse(40, 30), "anna")
+        correct(manifest.parent, f"o{k}", ellipse(40, 30))
     second(manifest, "o0", ellipse(44, 30))
     second(manifest, "o1", ellipse(40, 30))
     second(manifest, "o2", ellipse(40, 27, centre=(60, 62)))
@@ -62,10 +54,9 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     # The first operator's outlines are the results.
     row = next(row for row in records(result.rows) if row["observation"] == "o0")
     assert row["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
-    with (out / "second_operator.csv").open() as file:
-        lines = list(csv.DictReader(file))
+    lines = rows_of(out / "second_operator.csv")
     assert float(lines[0]["second_semi_major_mm"]) == pytest.approx(44 * MM, rel=1e-3)
-    summary = json.loads((out / "summary.json").read_text())["second_operator"]
+    summary = summary_of(out)["second_operator"]
     assert summary[0]["gross_area_mm2"]["count"] == 3
     report = (out / "report.html").read_text()
     assert "Second operator" in report
@@ -77,12 +68,12 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
 
 
 def test_what_is_no_second_opinion_is_left_out(manifest: Path) -> None:
-    decide(manifest, "o0", ellipse(40, 30), "anna")
+    correct(manifest.parent, "o0", ellipse(40, 30))
     second(manifest, "o0", ellipse(41, 30), "anna")  # the same person
-    decide(manifest, "o1", {"rejected": "smeared"}, "anna")
+    correct(manifest.parent, "o1", {"rejected": "smeared"})
     second(manifest, "o1", ellipse(41, 30))
     second(manifest, "o2", ellipse(41, 30))  # the first has not looked at it
-    decide(manifest, "o3", {"accepted": True}, "anna")
+    correct(manifest.parent, "o3", {"accepted": True})
     second(manifest, "o3", {"rejected": "smeared"})
     result = run_study(manifest, manifest.parent / "out")
     assert result.operator_pairs == []

@@ -4,27 +4,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.studies import Table, contact, curve, finger, run, write_curve
+from tests.studies import PAD, Table, contact, curve, finger, run, write_curve, write_outlines
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.simulate import outline_points, simulate_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.results.study_result import StudyResult
 
-AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
-PAD = np.array([7.9, 13.8, 11.8])
+AXES = np.array(list(PAD.values()))
 CAMERA = {"mm_per_px": 0.05, "relative_std": 0.03}
 
 
 def study(folder: Path, scale: dict[str, object], *more: Table) -> StudyResult:
     folder.mkdir(exist_ok=True)
-    for face, axes in AXES.items():
-        np.savetxt(
-            folder / f"{face}.csv", outline_points(*axes), delimiter=",", header="x_mm,y_mm", comments=""
-        )
-    faces = [{"face": face, "outline": f"{face}.csv", **scale} for face in AXES]
     return run(
         folder,
-        finger(photographs=faces),
+        finger(photographs=write_outlines(folder, **scale)),
         contact(load=1, axis=""),
         *more,
         uncertainty={"wedge_angle_deg_std": 0.3},
@@ -38,9 +32,9 @@ def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> 
         for name, scale in (("own", {"outline_relative_std": 0.03}), ("shared", {"scale": "camera"}))
     )
     assert (own.scale, shared.scale) == (None, "camera")
-    relative = np.sqrt(np.diagonal(shared.covariance)) / PAD
+    relative = np.sqrt(np.diagonal(shared.covariance)) / AXES
     assert (relative > 0.03).all()  # three faces of one scale do not average its error out
-    size = np.ones(3) / (3 * PAD)  # of the logarithm of the geometric mean
+    size = np.ones(3) / (3 * AXES)  # of the logarithm of the geometric mean
     assert np.sqrt(size @ shared.covariance @ size) > 0.03 > 1.2 * np.sqrt(size @ own.covariance @ size)
 
 

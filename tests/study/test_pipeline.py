@@ -1,6 +1,5 @@
 """The whole way: the bundled study against its known truth, and faults that cost one row only."""
 
-import csv
 import json
 import shutil
 from pathlib import Path
@@ -9,7 +8,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
-from tests.studies import PAD, Table, contact, finger, picture, write_study
+from tests.studies import (
+    PAD,
+    Table,
+    contact,
+    correct,
+    finger,
+    picture,
+    rows_of,
+    sequence,
+    summary_of,
+    write_numbers,
+    write_study,
+)
+from tests.study.small_study import LOAD, PPI
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
@@ -18,7 +30,7 @@ from fingerpad.simulate import render_contact_image
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import DEFAULT_COLUMNS, first_record, records
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, first_record, items, records
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -34,8 +46,7 @@ def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Stud
 def test_measures_the_rendered_pad_as_it_is(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
     rows = {row["observation"]: row for row in records(result.rows)}
-    with (EXAMPLE / "synthetic" / "truth.csv").open() as file:
-        truths = list(csv.DictReader(file))
+    truths = rows_of(EXAMPLE / "synthetic" / "truth.csv")
     assert len(truths) == 9
     for truth in truths:
         row = rows[truth["observation"]]
@@ -102,8 +113,7 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[Stu
 
 def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
     result, out = demo
-    with (out / "results.csv").open() as file:
-        table = list(csv.DictReader(file))
+    table = rows_of(out / "results.csv")
     records = json.loads((out / "results.json").read_text())
     assert len(table) == len(records) == len(result.rows) == 13 + 21
     for line, record in zip(table, records, strict=True):
@@ -113,13 +123,41 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
                 assert float(line[key]) == value
             elif value is None:
                 assert line[key] == ""
-    with (out / "results_columns.csv").open() as file:
-        assert [row["column"] for row in csv.DictReader(file)] == list(DEFAULT_COLUMNS)
-    summary = json.loads((out / "summary.json").read_text())
-    assert set(summary["provenance"]["inputs_sha256"]) >= {"study.toml", "observations.csv"}
-    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 2 + 3
+    assert [row["column"] for row in rows_of(out / "results_columns.csv")] == list(DEFAULT_COLUMNS)
+    inputs = summary_of(out)["provenance"]["inputs_sha256"]
+    assert set(inputs) >= {"study.toml", "observations.csv"}
+    assert len(inputs) == 2 + 3 + 9 + 2 + 3
     for row in records:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
+
+
+def test_each_column_is_filled_by_some_study(
+    demo: tuple[StudyResult, Path], small_study: Path, tmp_path: Path
+) -> None:
+    """By the demo study, or by one whose rows are rejected, left out, cut, repeated and out of range."""
+    folder = Path(shutil.copytree(small_study.parent, tmp_path / "study"))
+    with Image.open(folder / "o0.png") as whole:
+        whole.crop((45, 0, *whole.size)).save(folder / "cut.png")
+    approach = np.minimum(np.arange(LOAD.size) - 2, 0) / 10
+    stage = approach + 1.2 * (LOAD / 2) ** (2 / 3)
+    force = np.transpose([np.arange(LOAD.size) / 20, LOAD, stage])
+    write_numbers(folder / "force.csv", "time_s,force_N,displacement_mm", force)
+    drawn = {"scale": {"ppi": PPI}}
+    manifest = write_study(
+        folder,
+        finger(pad_thickness_mm=8, effective_thickness_mm=1.5),
+        *(contact(f"c{k}", 1, (5 + k / 10, 4), session="monday", roll_angle_deg=5) for k in range(6)),
+        picture("cut", "cut.png", **drawn),
+        sequence("p", "frames", force="force.csv", frames_per_second=20, **drawn),
+    )
+    correct(folder, "c0", {"rejected": "slipped"})
+    correct(folder, "c1", {"pooling": {"include": False, "why": "smeared"}})
+    correct(folder, "p#phases", {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "late"}})
+    tables = demo[0].rows, run_study(manifest, tmp_path / "out").rows
+    filled = {
+        name for table in tables for name in table if not {None, "", False}.issuperset(items(table[name]))
+    }
+    assert set(COLUMNS) - filled == set()
 
 
 def test_a_bad_image_costs_its_row_only(

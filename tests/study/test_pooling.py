@@ -13,7 +13,7 @@ from tests import studies
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
-from fingerpad.study.manifest.models import Observation, Study
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
@@ -110,12 +110,7 @@ def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
 
 
 AXES = np.array([7.9, 13.8, 11.8])
-GIVEN_FINGER = {
-    "name": "f",
-    "semi_axes_mm": dict(zip(SEMI_AXES, AXES.tolist(), strict=True)),
-    "semi_axes_mm_std": dict.fromkeys(SEMI_AXES, 0.5),
-}
-STUDY = Study.model_validate({"title": "T", "fingers": [GIVEN_FINGER]})
+STUDY = studies.study_of(studies.finger(std=0.5))
 OUTPUT = "radius_from_indentation"
 
 

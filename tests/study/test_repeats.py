@@ -1,7 +1,5 @@
 """Repeats in studies: recognised, borrowed by single contacts, and pooled at each load."""
 
-import csv
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,13 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.claims import repeatability
-from tests.studies import finger, write_study
+from tests.studies import correct, finger, rows_of, study_of, summary_of, write_study
 
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.load import read_study
-from fingerpad.study.manifest.models import ContactSequence, Observation, Study
+from fingerpad.study.manifest.models import ContactSequence, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study
@@ -32,19 +28,7 @@ from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import records
 
 AXES = np.array([7.9, 13.8, 11.8])
-STUDY = Study.model_validate(
-    {
-        "title": "T",
-        "uncertainty": {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
-        "fingers": [
-            {
-                "name": "f",
-                "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
-                "semi_axes_mm_std": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
-            }
-        ],
-    }
-)
+STUDY = study_of(finger(), uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0})
 PADS = {"f": FingerResult(name="f", semi_axes=AXES, covariance=1e-18 * np.eye(3), source="given")}
 KNOWN = ContactRepeatability(
     covariance=np.array([[0.02**2, 0.0], [0.0, 0.05**2]]), freedom=12, groups=6, count=18
@@ -126,22 +110,20 @@ def test_contacts_of_a_pad_of_no_fingers_size_are_no_repeats() -> None:
 def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path) -> None:
     """All that is said of repeats speaks of the contacts that are pooled."""
     out, path = tmp_path / "out", manifest(tmp_path, 6)
-    log, outlier = CorrectionLog(tmp_path), "c5_1"
+    outlier = "c5_1"
     sheet = path.with_name("o.csv")
     lines = sheet.read_text().splitlines()
     wrong = [",".join([*line.split(",")[:5], "9.0", "8.0", "0.05"]) for line in lines if outlier in line]
     sheet.write_text("\n".join([line for line in lines if outlier not in line] + wrong) + "\n")
-    leave_out = {"pooling": {"include": False, "why": "slipped"}}
-    first = log.append(outlier, leave_out, who="Ada", expected=0, study=read_study(path))
+    correct(tmp_path, outlier, {"pooling": {"include": False, "why": "slipped"}})
     result = run_study(path, out)
     left_out = {row["observation"]: row["youngs_modulus_kpa_std"] for row in records(result.rows)}
-    (found,) = json.loads((out / "summary.json").read_text())["repeatability"]["contact"]
-    with (out / "repeatability.csv").open() as file:
-        lines = [row for row in csv.DictReader(file) if row["quantity"] == "contact_area"]
+    (found,) = summary_of(out)["repeatability"]["contact"]
+    lines = [row for row in rows_of(out / "repeatability.csv") if row["quantity"] == "contact_area"]
     (repeat,) = (row for row in lines if row["level"] == "repeat")
     assert (found["count"], found["degrees_of_freedom"]) == (11, 9)
     assert (int(repeat["count"]), int(repeat["degrees_of_freedom"])) == (11, 9)
-    log.append(outlier, {"rejected": "slipped"}, who="Ada", expected=first.id, study=read_study(path))
+    correct(tmp_path, outlier, {"rejected": "slipped"})
     rejected = run_study(path, out)
     for row in records(rejected.rows):
         if row["observation"] != outlier:
@@ -263,18 +245,15 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
 ) -> None:
     out = tmp_path / "out"
     result = run_study(manifest(tmp_path, count), out)
-    summary = json.loads((out / "summary.json").read_text())
-    (borrowed,) = summary["repeatability"]["contact"]
+    (borrowed,) = summary_of(out)["repeatability"]["contact"]
     assert (borrowed["contact_area_log_std"] is not None) == known
     assert bool(borrowed["missing"]) != known
-    with (out / "repeatability.csv").open() as file:
-        lines = {(row["quantity"], row["level"]): row for row in csv.DictReader(file)}
+    lines = {(row["quantity"], row["level"]): row for row in rows_of(out / "repeatability.csv")}
     repeat = lines["contact_area", "repeat"]
     assert (repeat["log_std"] != "") == known
     assert int(repeat["degrees_of_freedom"]) == 2 * (count - 1)
     assert lines["contact_area", "person"]["missing"]
-    with (out / "by_load.csv").open() as file:
-        at_loads = list(csv.DictReader(file))
+    at_loads = rows_of(out / "by_load.csv")
     assert [float(row["load_N"]) for row in at_loads] == [1, 2]
     assert all((row["contact_area_mm2_repeatability_std"] != "") == known for row in at_loads)
     assert {row["session"] for row in records(result.rows)} == {"monday"}

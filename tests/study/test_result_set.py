@@ -12,11 +12,10 @@ from typing import Any
 import pytest
 from filelock import FileLock
 from PIL import Image
+from tests import command
 from tests.studies import contact, finger, write_study
 from tests.study.small_study import PICTURES, copy
-from typer.testing import CliRunner
 
-from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.report import write_report
 from fingerpad.simulate import render_finger
@@ -181,18 +180,18 @@ def changed(path: Path, how: str) -> None:
 @pytest.mark.parametrize("name", TABLES[:1] + TABLES[3:])
 def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name: str, how: str) -> None:
     changed(study / "out" / name, how)
-    for command in (
-        ["export", str(study / "out"), str(study / "r.mat")],
-        ["compare", str(study / "out")],
-        ["status", str(study / "study.toml"), "--out", str(study / "out")],
-        ["status", str(study / "study.toml"), "--out", str(study / "out"), "--json"],
+    for words in (
+        ("export", study / "out", study / "r.mat"),
+        ("compare", study / "out"),
+        ("status", study, "--out", study / "out"),
+        ("status", study, "--out", study / "out", "--json"),
     ):
-        result = CliRunner().invoke(app, command)
-        assert result.exit_code in {2, 3}, command
-        assert f"{name}: is" in result.output + result.stderr, command
+        code, out, error = command.run(*words)
+        assert code in {2, 3}, words
+        assert f"{name}: is" in out + error, words
     assert not (study / "r.mat").exists()
     run_study(study / "study.toml", study / "out")
-    assert CliRunner().invoke(app, ["compare", str(study / "out")]).exit_code == 0
+    assert command.run("compare", study / "out")[0] == 0
 
 
 @pytest.mark.parametrize("damage", [b"", b"x", b"\xff\xfe"])
@@ -204,9 +203,9 @@ def test_a_damaged_list_is_named(study: Path, damage: bytes) -> None:
 
 def test_results_without_a_list_are_no_results(study: Path) -> None:
     (study / "out" / "SHA256SUMS").unlink()
-    result = CliRunner().invoke(app, ["export", str(study / "out"), str(study / "r.mat")])
-    assert result.exit_code == 2
-    assert "results.csv: is there without SHA256SUMS" in result.stderr
+    code, _, error = command.run("export", study / "out", study / "r.mat")
+    assert code == 2
+    assert "results.csv: is there without SHA256SUMS" in error
 
 
 def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
@@ -263,28 +262,22 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     assert set(shown) <= set(result_files(tmp_path / "out"))
 
 
-TWO_FACES = """title = "T"
-[[fingers]]
-name = "f"
-synthetic = true
-photographs = [
-    {{ face = "palmar", file = "{0}", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
-    {{ face = "distal", file = "distal.jpg", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
-    {{ face = "palmar", file = "{1}", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
-]
-"""
-
-
 def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path: Path) -> None:
     """Whatever its place in the list; what a second run draws changes no file of the first."""
     shutil.copy(small_study.parent / "distal.jpg", tmp_path)
     for number, name in enumerate(("a.png", "b.png", "c.png")):
         Image.fromarray(render_finger("palmar", mm_per_px=0.1, seed=number).pixels).save(tmp_path / name)
-    manifest, out = tmp_path / "study.toml", tmp_path / "out"
+    out = tmp_path / "out"
 
     def run(*files: str) -> tuple[dict[str, str], list[str]]:
         """Run the study of these palmar photographs; return each one's overlay, and what was measured."""
-        manifest.write_text(TWO_FACES.format(*files))
+        photographs = [
+            {"face": face, "file": file, "scale": {"mm_per_px": 0.1}, "synthetic": True}
+            for face, file in zip(
+                ("palmar", "distal", "palmar"), (files[0], "distal.jpg", files[1]), strict=True
+            )
+        ]
+        manifest = write_study(tmp_path, finger(photographs=photographs, synthetic=True))
         reported: list[Progress] = []
         result = run_study(manifest, out, on_progress=reported.append)
         photographs = result.fingers["f"].photographs

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.studies import contact, finger, study_of
 from tests.study import many_rows
 from tests.study.many_rows import measurements_of, sequences_of, study_result
 
@@ -59,12 +60,7 @@ def test_no_more_than_a_batch_is_held() -> None:
 
 
 def _study() -> Study:
-    names = ("palmar", "distal", "radial_ulnar")
-    axes = {"semi_axes_mm": dict.fromkeys(names, 8), "semi_axes_mm_std": dict.fromkeys(names, 0.1)}
-    uncertainty = {"wedge_angle_deg_std": 0.5}
-    return Study.model_validate(
-        {"title": "T", "fingers": [{"name": "f", **axes}], "uncertainty": uncertainty}
-    )
+    return study_of(finger(), uncertainty={"wedge_angle_deg_std": 0.5})
 
 
 def _finger(name: str) -> FingerResult:
@@ -78,10 +74,7 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
     noise = rng.normal(0, 0.1, (count, 2))
 
     def seen() -> Iterator[tuple[Contact, Measurement]]:
-        ellipse = {"semi_major": 7.0, "semi_minor": 5.0, "std": 0.1, "long_axis": "along"}
-        observation = Observation.model_validate(
-            {"name": "c", "finger": "f", "wedge_angle_deg": 30, "load_N": 1, "ellipse_mm": ellipse}
-        )
+        observation = Observation.model_validate(contact("c", 1).keys)
         for number, axes in enumerate(np.add([7.0, 5.0], noise)):
             yield (
                 observation,

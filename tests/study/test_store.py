@@ -14,13 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from filelock import FileLock
 from PIL import Image
+from tests import command
 from tests.studies import finger, picture, write_study
 from tests.waiting import wait_until
-from typer.testing import CliRunner
 
-from fingerpad.cli import app
 from fingerpad.exceptions import StoreError
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.engine.runner import Progress
@@ -150,23 +148,14 @@ def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
 @pytest.mark.parametrize("wanted", [1, pytest.param(3, marks=pytest.mark.nightly)])
 def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: list[dict], wanted: int) -> None:
     folder = fresh
-    command = [sys.executable, "-m", "fingerpad", "run", str(folder / "study.toml")]
-    command += ["--out", str(folder / "out")]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    words = [sys.executable, "-m", "fingerpad", "run", str(folder), "--out", str(folder / "out")]
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
     process.wait()
     measured, again = run(folder)
     assert len(measured) <= COUNT - wanted + 1
     assert again == rows
-
-
-def test_two_runs_at_once(fresh: Path) -> None:
-    (fresh / "out").mkdir()
-    with FileLock(fresh / "out" / "store.lock"):
-        result = CliRunner().invoke(app, ["run", str(fresh / "study.toml"), "--out", str(fresh / "out")])
-    assert result.exit_code == 2
-    assert "another run writes here" in result.stderr
 
 
 def test_a_store_that_is_none(fresh: Path) -> None:
@@ -330,20 +319,15 @@ def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: li
 
 
 def test_status_for_scripts(fresh: Path) -> None:
-    command = ["status", str(fresh / "study.toml"), "--out", str(fresh / "out"), "--json"]
-    before = json.loads(CliRunner().invoke(app, command).stdout)
+    status = ("status", fresh, "--out", fresh / "out")
+    before = command.run_json(*status)
     assert (before["left"], before["total"], before["seconds_left"]) == (COUNT, COUNT, None)
     run(fresh)
-    whole = json.loads(CliRunner().invoke(app, command).stdout)["seconds"]
+    whole = command.run_json(*status)["seconds"]
     write(fresh, {0: {"threshold": 50}})
-    after = json.loads(CliRunner().invoke(app, command).stdout)
-    assert {key: after[key] for key in ("done", "failed", "stale", "left", "total")} == {
-        "done": COUNT - 1,
-        "failed": 0,
-        "stale": 1,
-        "left": 0,
-        "total": COUNT,
-    }
+    after = command.run_json(*status)
+    counts = {"done": COUNT - 1, "failed": 0, "stale": 1, "left": 0, "total": COUNT}
+    assert {key: after[key] for key in counts} == counts
     spent = after["seconds"]
     assert whole["done"] > spent["done"] > spent["left"] == 0
     assert spent["stale"] > 0
@@ -364,9 +348,8 @@ def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
 
 def test_the_log_of_runs(fresh: Path) -> None:
     log = fresh / "run.jsonl"
-    command = ["run", str(fresh / "study.toml"), "--out", str(fresh / "out"), "--log"]
     for _ in range(2):
-        assert CliRunner().invoke(app, [*command, str(log)]).exit_code == 0
+        assert command.run("run", fresh, "--out", fresh / "out", "--log", log)[0] == 0
     lines = [json.loads(line) for line in log.read_text().splitlines()]
     measuring = [line for line in lines if line["status"] != "written"]
     assert [line["status"] for line in measuring] == ["started", *["done"] * COUNT, "checked", "started"]
@@ -380,8 +363,7 @@ def test_the_log_of_runs(fresh: Path) -> None:
 )
 def test_a_log_that_would_spoil_something(folder: Path, name: str, words: str) -> None:
     before = (folder / "study.toml").read_bytes(), (folder / "o1.png").read_bytes()
-    command = ["run", str(folder / "study.toml"), "--out", str(folder / "out"), "--log", str(folder / name)]
-    result = CliRunner().invoke(app, command)
-    assert result.exit_code == 2
-    assert words in " ".join(result.stderr.split())
+    code, _, error = command.run("run", folder, "--out", folder / "out", "--log", folder / name)
+    assert code == 2
+    assert words in " ".join(error.split())
     assert ((folder / "study.toml").read_bytes(), (folder / "o1.png").read_bytes()) == before

@@ -1,12 +1,12 @@
 """The table: what is put in comes out, for one row, some of them, and all."""
 
-import csv
 import json
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from tests.studies import rows_of
 
 from fingerpad.study.results.output import write_rows
 from fingerpad.study.results.table import COLUMNS, Row, first_record, groups, records, table_of
@@ -87,8 +87,7 @@ def test_files_hold_every_row(tmp_path: Path, count: int) -> None:
     rows[:1] = [{**row, "load_N": np.inf} for row in rows[:1]]
     write_rows(table_by(rows, 700), tuple(COLUMNS), tmp_path / "c", tmp_path / "j")
     objects = json.loads((tmp_path / "j").read_text(encoding="utf-8"))
-    with (tmp_path / "c").open(encoding="utf-8", newline="") as file:
-        lines = list(csv.DictReader(file))
+    lines = rows_of(tmp_path / "c")
     assert len(objects) == len(lines) == count
     for place, (record, line) in enumerate(zip(objects, lines, strict=True)):
         assert list(record) == list(line) == list(COLUMNS)

@@ -1,7 +1,5 @@
 """Verdicts on the model in simulated studies: where it holds, and where it fails in known ways."""
 
-import csv
-import json
 import math
 from pathlib import Path
 
@@ -9,12 +7,10 @@ import numpy as np
 import pytest
 from benchmarks.claims.validity import CASES, Truth, press, principal_radii, scores, simulated
 from scipy.special import ellipe, ellipk
-from tests import studies
-from tests.studies import PAD, Table, contact, curve, finger
-from typer.testing import CliRunner
+from tests import command, studies
+from tests.studies import PAD, Table, contact, curve, finger, rows_of, summary_of
 
 from fingerpad._rounding import positive_with_uncertainty
-from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report.text import to_do
 from fingerpad.study.compare import compare_studies
@@ -174,7 +170,7 @@ def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_pa
 
 def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
     _, (validity,) = run(tmp_path, *tables(radius=20.0))
-    (summary,) = json.loads((tmp_path / "out" / "summary.json").read_text())["summaries"]
+    (summary,) = summary_of(tmp_path / "out")["summaries"]
     record = summary["validity"]
     assert record["verdict"] == FAILS
     assert {one["check"] for one in record["checks"]} == {check.name for check in validity.checks}
@@ -192,8 +188,8 @@ def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
     """Terminal, tables, summary, comparison and report, of tissue over bone whose thickness is stated."""
     run(tmp_path, *tables(radius=20.0, effective_thickness_mm=7, effective_thickness_mm_std=0.7))
     out = tmp_path / "out"
-    printed = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(out)]).output
-    (summary,) = json.loads((out / "summary.json").read_text())["summaries"]
+    _, printed, _ = command.run("run", tmp_path, "--out", out)
+    (summary,) = summary_of(out)["summaries"]
     radius, modulus = (summary["validity"]["headlines"][name] for name in (RADIUS, MODULUS))
     shown = positive_with_uncertainty(radius["value"], radius["total_std"])
     assert radius["total_std"] > 2 * radius["value_std"]
@@ -201,11 +197,9 @@ def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
     assert f"; Hertz theory {summary['validity']['verdict']} (" in printed
     assert f'<td class="number">{shown}</td>' in (out / "report.html").read_text()
     assert summary["radius_from_indentation_mm_total_std"] == radius["total_std"]
-    with (out / "results.csv").open() as file:
-        (row,) = csv.DictReader(file)
+    (row,) = rows_of(out / "results.csv")
     assert float(row["youngs_modulus_kpa_total_std"]) == pytest.approx(modulus["total_std"])
-    with (out / "by_load.csv").open() as file:
-        (at_load,) = csv.DictReader(file)
+    (at_load,) = rows_of(out / "by_load.csv")
     assert float(at_load["youngs_modulus_kpa_std"]) == pytest.approx(modulus["total_std"])
     assert float(at_load["youngs_modulus_kpa_model_std"]) == pytest.approx(modulus["model_std"])
     assert at_load["youngs_modulus_kpa_verdict"] == modulus["verdict"]

@@ -7,12 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests import command
+from tests.studies import correct
 from tests.study.small_study import PIECE, copy
-from typer.testing import CliRunner
 
-from fingerpad.cli import app
-from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.load import read_study
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
@@ -21,8 +19,7 @@ from fingerpad.study.pipeline import run_study
 def finished(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study") / "study"
     manifest = copy(small_run, folder)
-    study = read_study(manifest)
-    CorrectionLog(folder).append("o1", {"accepted": True}, who="anna", expected=0, study=study)
+    correct(folder, "o1", {"accepted": True})
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(sequences, "_LEAST_PIECE", PIECE)
         run_study(manifest, folder / "out")
@@ -35,9 +32,8 @@ def study(finished: Path, tmp_path: Path) -> Path:
 
 
 def verify(folder: Path) -> tuple[int, dict]:
-    command = ["verify", str(folder / "study.toml"), "--out", str(folder / "out"), "--json"]
-    result = CliRunner().invoke(app, command)
-    return result.exit_code, json.loads(result.stdout)
+    code, out, _ = command.run("verify", folder, "--out", folder / "out", "--json")
+    return code, json.loads(out)
 
 
 def test_a_finished_study_is_intact(study: Path) -> None:
@@ -46,8 +42,8 @@ def test_a_finished_study_is_intact(study: Path) -> None:
     assert found["faults"] == []
     assert found["changed_inputs"] == []
     assert found["intact"].keys() == {"study.toml", "corrections.jsonl", "store.sqlite", "results"}
-    words = CliRunner().invoke(app, ["verify", str(study), "--out", str(study / "out")])
-    assert words.stdout.startswith("intact   study.toml: 2 fingers, 6 contacts")
+    words = command.run("verify", study, "--out", study / "out")[1]
+    assert words.startswith("intact   study.toml: 2 fingers, 6 contacts")
 
 
 def flip(path: Path) -> None:

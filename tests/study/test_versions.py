@@ -13,68 +13,24 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from tests.studies import correct, curve, finger, picture, sequence, summary_of, write_study
 
 from fingerpad.simulate import render_coin
-from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine import task as versions
-from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
 PINNED = Path(__file__).with_name("measured_numbers.json")
 DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017" / "synthetic"
-STUDY = """
-title = "Pinned numbers"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-load_relative_std = 0.01
-[scales.camera]
-mm_per_px = 0.05
-relative_std = 0.002
-[scales.reader]
-ppi = 500
-[scales.coin]
-coin = "coin.png"
-diameter_mm = 20
-[scales.board]
-grid = "board.png"
-points = [5, 6]
-spacing_mm = 2
-[[fingers]]
-name = "pad"
-synthetic = true
-effective_thickness_mm = 7.9
-effective_thickness_mm_std = 1.1
-photographs = [
-    { face = "palmar", file = "photograph_palmar.jpg", scale = "camera", synthetic = true },
-    { face = "distal", file = "photograph_distal.jpg", scale = "camera", synthetic = true },
-]
-[[sequences]]
-name = "press"
-finger = "pad"
-wedge_angle_deg = 30
-file = "synthetic_press_30deg.tif"
-scale = { ppi = 240, relative_std = 0.002 }
-force = "synthetic_press_30deg_force.csv"
-frames_per_second = 20
-synthetic = true
-[[curves]]
-finger = "pad"
-wedge_angle_deg = 30
-file = "curve_30deg_2mm_per_s.csv"
-synthetic = true
-"""
-OBSERVATION = """
-[[observations]]
-name = "{name}"
-finger = "pad"
-wedge_angle_deg = 30
-load_N = 2
-file = "synthetic_30deg_2N.png"
-scale = "{scale}"
-synthetic = true
-"""
+SCALES = {
+    "camera": {"mm_per_px": 0.05, "relative_std": 0.002},
+    "reader": {"ppi": 500},
+    "coin": {"coin": "coin.png", "diameter_mm": 20},
+    "board": {"grid": "board.png", "points": [5, 6], "spacing_mm": 2},
+}
 OBSERVATIONS = {"contact": "reader", "corrected": "reader", "by_coin": "coin", "by_grid": "board"}
+THICK = {"effective_thickness_mm": 7.9, "effective_thickness_mm_std": 1.1}
+IMAGE, FORCE = "synthetic_30deg_2N.png", "synthetic_press_30deg_force.csv"
 CORRECTION = {"region_of_interest_px": [60, 60, 420, 330]}
 FRAMES = ("press#8", "press#12", "press#16")
 # Where in summary.json the numbers of each kind of measurement stand.
@@ -93,10 +49,23 @@ def make_study(folder: Path) -> Path:
         np.kron(np.indices((6, 7)).sum(axis=0) % 2, np.ones((40, 40))), 40, constant_values=1
     )
     cv2.imwrite(str(folder / "board.png"), cv2.GaussianBlur(board, (0, 0), 1.2).astype(np.uint8))
-    observations = (OBSERVATION.format(name=name, scale=scale) for name, scale in OBSERVATIONS.items())
-    manifest = folder / "study.toml"
-    manifest.write_text(STUDY + "".join(observations), encoding="utf-8")
-    CorrectionLog(folder).append("corrected", CORRECTION, who="ada", expected=0, study=read_study(manifest))
+    drawn = {"finger": "pad", "synthetic": True}
+    photographs = [
+        {"face": face, "file": f"photograph_{face}.jpg", "scale": "camera", "synthetic": True}
+        for face in ("palmar", "distal")
+    ]
+    press = {"scale": {"ppi": 240, "relative_std": 0.002}, "frames_per_second": 20}
+    manifest = write_study(
+        folder,
+        finger("pad", photographs=photographs, synthetic=True, **THICK),
+        sequence("press", "synthetic_press_30deg.tif", force=FORCE, **press, **drawn),
+        curve(file="curve_30deg_2mm_per_s.csv", **drawn),
+        *(picture(name, IMAGE, scale=scale, **drawn) for name, scale in OBSERVATIONS.items()),
+        title="Pinned numbers",
+        uncertainty={"wedge_angle_deg_std": 0.5, "load_relative_std": 0.01},
+        scales=SCALES,
+    )
+    correct(folder, "corrected", CORRECTION)
     return manifest
 
 
@@ -110,7 +79,7 @@ def numbers(value: object, place: str = "") -> dict[str, float]:
 
 def measured(manifest: Path, out: Path) -> dict[str, dict[str, float]]:
     run_study(manifest, out, all_columns=True)
-    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    summary = summary_of(out)
     rows = {row["observation"]: row for row in json.loads((out / "results.json").read_text(encoding="utf-8"))}
     found = {kind: numbers({key: summary[key] for key in keys}) for kind, keys in PLACES.items()}
     found["image"] |= numbers(

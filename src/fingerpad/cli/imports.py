@@ -1,5 +1,7 @@
 """Import measurements from other programs."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -13,7 +15,7 @@ from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
-    from fingerpad.study.imports.fiji import ManualObservation, MeasuredEllipse
+    from fingerpad.study.imports.ellipses import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(
     cls=Group, rich_markup_mode=None, help="Import measurements from other programs.", no_args_is_help=True
@@ -23,22 +25,11 @@ _MM_PER_UNIT: Final = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "inch": 2
 _SHOWN = 5
 
 
-@app.command("fiji")
-@options.takes(scale=scale_of_flags)
-def import_fiji(
-    files: Annotated[
-        list[Path],
-        Argument(
-            metavar="FILE...", help="Results.csv, .txt or .xls; .roi or RoiSet.zip.", show_default=False
-        ),
-    ],
+def rows_of(
     *,
     std_mm: Annotated[
         float, Option(min=1e-9, help="Standard uncertainty of either semi-axis, mm.", show_default=False)
     ],
-    unit: Annotated[
-        str | None, Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch.")
-    ] = None,
     finger: Annotated[str | None, Option(help="Finger name for all rows.")] = None,
     wedge_deg: Annotated[
         float | None, Option(min=0, max=90, help="Wedge angle for all rows, degrees.")
@@ -54,6 +45,35 @@ def import_fiji(
         float, Option(help="The finger's direction in the pictures, from straight up, counter-clockwise.")
     ] = 0.0,
     synthetic: Annotated[bool, Option("--synthetic", help="The pictures were rendered.")] = False,
+) -> "Callable[..., list[ManualObservation]]":
+    """Return what makes observations of ellipses, whatever program measured them."""
+    from fingerpad.study.imports.ellipses import manual_observations
+
+    given = {"finger": finger, "wedge_angle_deg": wedge_deg, "roll_angle_deg": roll_deg, "load_N": load_n}
+    return partial(
+        manual_observations,
+        semi_axis_mm_std=std_mm,
+        known={name: value for name, value in given.items() if value is not None},
+        pattern=label_pattern,
+        finger_axis_deg=finger_axis_deg,
+        synthetic=synthetic,
+    )
+
+
+@app.command("fiji")
+@options.takes(rows=rows_of, scale=scale_of_flags)
+def import_fiji(
+    files: Annotated[
+        list[Path],
+        Argument(
+            metavar="FILE...", help="Results.csv, .txt or .xls; .roi or RoiSet.zip.", show_default=False
+        ),
+    ],
+    *,
+    unit: Annotated[
+        str | None, Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch.")
+    ] = None,
+    rows: "Callable[..., list[ManualObservation]]",
     out: Annotated[Path, Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
     as_json: options.AsJson = False,
     scale: "Scale | None" = None,
@@ -63,21 +83,21 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
     """
-    from fingerpad.study.imports.fiji import manual_observations, write_observations
+    from fingerpad.study.imports.fiji import UNIT_HINT
 
-    given = {"finger": finger, "wedge_angle_deg": wedge_deg, "roll_angle_deg": roll_deg, "load_N": load_n}
     mm_per_unit = _mm_per_unit(files, unit, scale)
     ellipses = _read(files)
-    rows = manual_observations(
-        ellipses,
-        mm_per_unit=mm_per_unit,
-        semi_axis_mm_std=std_mm,
-        relative_scale_std=scale.relative_std if scale else 0.0,
-        known={name: value for name, value in given.items() if value is not None},
-        pattern=label_pattern,
-        finger_axis_deg=finger_axis_deg,
-        synthetic=synthetic,
-    )
+    relative_std = scale.relative_std if scale else 0.0
+    found = rows(ellipses, mm_per_unit=mm_per_unit, relative_scale_std=relative_std, unit_hint=UNIT_HINT)
+    _write(out, ellipses, found, as_json)
+
+
+def _write(
+    out: Path, ellipses: list["MeasuredEllipse"], rows: list["ManualObservation"], as_json: bool
+) -> None:
+    """Write observations, and say what is doubtful of their ellipses and what is still missing."""
+    from fingerpad.study.imports.ellipses import write_observations
+
     write_observations(out, rows)
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
@@ -124,5 +144,5 @@ def _print_outcome(out: Path, rows: list["ManualObservation"]) -> None:
         names = ", ".join(row.name for row in lacking[:_SHOWN]) + (", …" if len(lacking) > _SHOWN else "")
         typer.echo(f"Fill in {', '.join(columns)} for {len(lacking)} of them: {names}")
     if any(row.long_axis is None for row in rows):
-        typer.echo("No column Angle, or circles: long_axis is left empty, and need not be filled in.")
+        typer.echo("No angle, or circles: long_axis is left empty, and need not be filled in.")
     typer.echo(f'Then name it in the study, above the first table: observations_csv = "{out.name}"')

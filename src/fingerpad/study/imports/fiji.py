@@ -1,27 +1,22 @@
-"""Ellipses measured in Fiji or ImageJ, as observations in the CSV that ``observations_csv`` names."""
+"""Ellipses measured in Fiji or ImageJ: its Results table, and its ROIs."""
 
 import math
-import re
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
-from fingerpad._csv import write_csv
-from fingerpad._display import Displayed
 from fingerpad._tables import read_table
-from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
+from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.imports.names import Field, NamePattern, plain_name
-from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
+from fingerpad.study.imports.ellipses import MeasuredEllipse, upward_deg
 
+UNIT_HINT: Final = "Fiji measures in px until a scale is set"
 _TRACED: Final = frozenset((ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED))
 _LARGEST: Final = 16_000_000  # bytes; 65,535 corners take one
 # What roifile raises for bytes that are no ROI.
@@ -37,25 +32,6 @@ _BROKEN: Final = (
 _SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize appends
 # Area over that of the ellipse: they differ where holes or a threshold count.
 _SAME_AREA: Final = 0.05
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeasuredEllipse:
-    """One ellipse, in the unit of its file."""
-
-    label: str  # what Fiji calls it: the picture's name, or the ROI's
-    source: str  # file and line, or file and ROI, for messages
-    # Half of what Fiji's Major and Minor are.
-    semi_major: float
-    semi_minor: float
-    # Of the long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None if unknown.
-    orientation_deg: float | None = None
-    doubts: tuple[str, ...] = ()  # what should be looked at
-
-
-def upward_deg(angle_deg: float) -> float:
-    """Turn an angle from the horizontal, as Fiji gives it, into one from straight up, in (−90, 90]."""
-    return 90 - (180 - angle_deg) % 180
 
 
 def is_roi_file(path: Path) -> bool:
@@ -227,153 +203,3 @@ def _traced(roi: ImagejRoi, place: str) -> tuple[float, float, float]:
     except ImageError as error:
         raise ImageError(f"{place}: {error}") from error
     return *found.semi_axes, math.degrees(found.orientation)
-
-
-# What an ellipse does not tell of its contact.
-FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
-_NEEDED: Final = FIELDS[:3]
-# Semi-major axes, mm, between which contacts of finger pads lie: beyond, the unit is wrong.
-_PLAUSIBLE: Final = (0.5, 40.0)
-_HEADER: Final = (
-    "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_mm_std", "long_axis", "synthetic", "notes",
-)  # fmt: skip
-# What a pattern of labels may hold.
-_LABEL_FIELDS: Final[tuple[Field, ...]] = ("person", "finger", "wedge", "roll", "load")
-_SUFFIX: Final = r"\.(?:tiff?|png|jpe?g|bmp|gif)(?=$|:)"
-_LONGEST_NAME: Final = 50
-
-
-class _LabelValues(ManifestModel):
-    """What a manifest takes of it."""
-
-    finger: Name | None = None
-    wedge_angle_deg: WedgeAngle | None = None
-    load_N: Load | None = None  # noqa: N815 (the unit's own letter)
-    roll_angle_deg: RollAngle | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class ManualObservation(Displayed):
-    """One row of the CSV: an observation whose ellipse a person measured."""
-
-    name: str  # made from the label, like no other
-    values: Mapping[str, str | float]  # those of `FIELDS` that are known
-    semi_major_mm: float
-    semi_minor_mm: float
-    ellipse_mm_std: float  # standard uncertainty of either semi-axis
-    long_axis: str | None  # where it lies, if the picture tells
-    synthetic: bool  # whether the picture was rendered
-    notes: str  # where it comes from, and doubts
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Columns that a person must fill in before the study can be run."""
-        return tuple(name for name in _NEEDED if name not in self.values)
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the row, None for what is not known."""
-        return {key: self.values.get(key) if key in FIELDS else getattr(self, key) for key in _HEADER}
-
-
-def manual_observations(
-    ellipses: Sequence[MeasuredEllipse],
-    *,
-    mm_per_unit: float,
-    semi_axis_mm_std: float,
-    relative_scale_std: float = 0.0,
-    known: Mapping[str, str | float] | None = None,
-    pattern: str | None = None,
-    finger_axis_deg: float = 0.0,
-    synthetic: bool = False,
-) -> list[ManualObservation]:
-    """Turn ellipses into observations.
-
-    `mm_per_unit` is mm per px, or 1 for a table in mm; `semi_axis_mm_std` that of either semi-axis as a
-    person finds it; `relative_scale_std` is added to each row as if it were the row's own. `known` are those
-    of `FIELDS` that are the same for all; the `pattern` tells others by labels, as of `match_file_names`.
-    `finger_axis_deg` is from straight up, counter-clockwise.
-    """
-    if not (semi_axis_mm_std > 0 and math.isfinite(semi_axis_mm_std)):
-        raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_mm_std:g} mm")
-    known = known or {}
-    for name, value in {**known, "finger_axis_deg": finger_axis_deg}.items():
-        if not isinstance(value, str) and not math.isfinite(value):
-            raise ManifestError(f"{name} must be a finite number, found {value:g}")
-    labels = _values_of_labels(ellipses, pattern)
-    twice = sorted(set(known) & {name for stated in labels for name in stated})
-    if twice:
-        raise ManifestError(
-            f"{twice[0]} is given for all rows and by the label pattern; choose one of the two"
-        )
-    names: set[str] = set()
-    rows = []
-    for ellipse, stated in zip(ellipses, labels, strict=True):
-        major, minor = mm_per_unit * ellipse.semi_major, mm_per_unit * ellipse.semi_minor
-        if not _PLAUSIBLE[0] <= major <= _PLAUSIBLE[1]:
-            raise CalibrationError(
-                f"{ellipse.source}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
-                "check the unit or the scale (Fiji measures in px until a scale is set)"
-            )
-        values = {**known, **stated}
-        if person := values.pop("person", None):
-            values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
-        validated(_LabelValues, values, ellipse.source, strict=True)
-        rows.append(
-            ManualObservation(
-                name=_name(ellipse.label, names),
-                values=values,
-                semi_major_mm=major,
-                semi_minor_mm=minor,
-                ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
-                long_axis=_long_axis(ellipse, finger_axis_deg),
-                synthetic=synthetic,
-                notes="; ".join((f"measured manually: {ellipse.source}", *ellipse.doubts)),
-            )
-        )
-    return rows
-
-
-def _values_of_labels(ellipses: Sequence[MeasuredEllipse], text: str | None) -> list[dict[str, Any]]:
-    """Return what each label states, nothing where it does not fit the pattern."""
-    if text is None:
-        return [{} for _ in ellipses]
-    pattern = NamePattern.of(text, _LABEL_FIELDS)
-    stems = [re.split(f"{_SUFFIX}|:", one.label, maxsplit=1, flags=re.IGNORECASE)[0] for one in ellipses]
-    found = [pattern.match(one.source, stem) for one, stem in zip(ellipses, stems, strict=True)]
-    for match in found:
-        if match.fits and match.problem:
-            raise ManifestError(f"{match.file}: {match.problem}")
-    if ellipses and not any(match.fits for match in found):
-        raise ManifestError(
-            f"the label pattern {text!r} fits no label, such as {ellipses[0].label!r}; * is anything, and "
-            "only hand and digit of a finger may have an underscore between them"
-        )
-    return [dict[str, Any](match.values) for match in found]
-
-
-def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
-    if ellipse.orientation_deg is None or ellipse.semi_major == ellipse.semi_minor:
-        return None
-    from_finger = (ellipse.orientation_deg - finger_axis_deg + 90) % 180 - 90
-    return "along" if abs(from_finger) <= 45 else "across"
-
-
-def _name(label: str, taken: set[str]) -> str:
-    """Return a name that a manifest takes, unlike all others even where case does not count."""
-    base = plain_name(re.sub(_SUFFIX, "", label, flags=re.IGNORECASE))[:_LONGEST_NAME] or "contact"
-    name, number = base, 1
-    while name.casefold() in taken:
-        number += 1
-        name = f"{base}_{number}"
-    taken.add(name.casefold())
-    return name
-
-
-def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
-    """Write the CSV that ``observations_csv`` names; what is there already is never replaced."""
-    try:
-        write_csv(path, [_HEADER, *(row.as_record().values() for row in rows)], mode="x")
-    except FileExistsError:
-        raise FingerpadError(f"{path}: is there already, and may be filled in; name another file") from None
-    except OSError as error:
-        raise FingerpadError(f"{path}: cannot be written ({error.strerror})") from error
