@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from benchmarks import ROOT
-from benchmarks.claims.fast_laws import SERIES, Circles
+from benchmarks.claims.fast_laws import SERIES, Circles, silhouette_radius
 from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
@@ -101,7 +101,9 @@ def pads() -> None:
         placement, tissue = kept_contacts(data, is_pad=True)
         values = {"load": data[:, -5], "area": data[:, -4] / AREA_BIAS, "indentation": data[:, -3]}
         on_layer = not tissue.is_deep
-        size = np.sqrt(values["area"] / np.pi) / (tissue.thickness if on_layer else _silhouette(data))
+        size = np.sqrt(values["area"] / np.pi) / (
+            tissue.thickness if on_layer else silhouette_radius(kept_pads(data))
+        )
         for axes, (given, wanted) in zip(row, _GIVEN_WANTED, strict=True):
             fast = fast_contact(placement, tissue, **{given: values[given]})
             hertz = hertz_contact(placement, tissue, **{given: values[given]})
@@ -116,14 +118,6 @@ def pads() -> None:
         row[0].set_ylabel(("on a layer" if on_layer else "on a half-space") + "\nrelative error")
     panels[0].legend(loc="upper left", markerscale=2)
     _save(figure, "validation_pads.png")
-
-
-def _silhouette(rows: FloatArray) -> FloatArray:
-    """Return the mean radius of the pads' silhouettes seen along the plate's normal."""
-    axes, wedge, roll = rows[:, :3], rows[:, 3], rows[:, 4]
-    normal = np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
-    radius: FloatArray = np.sqrt(axes.prod(axis=-1) * np.sqrt(((normal / axes) ** 2).sum(axis=-1)))
-    return radius
 
 
 def _error_axes(axes: Axes) -> None:

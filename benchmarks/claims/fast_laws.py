@@ -76,27 +76,40 @@ def circles() -> None:
     )
 
 
+def silhouette_radius(pads: Placement) -> FloatArray:
+    """Return the mean radius of the pads' silhouettes seen along the plate's normal."""
+    axes = pads.ellipsoid.semi_axes
+    across = np.sqrt(((pads.normal / axes) ** 2).sum(axis=-1))
+    return as_float_array(np.sqrt(axes.prod(axis=-1) * across))
+
+
 def hertz_by_size() -> None:
     """Print by how much Hertz theory misses whole pads on deep tissue, by the size of the contact."""
     kept = np.load(KEPT)["pads_held_out"]
-    placement, tissue = kept_pads(kept), Tissue.of_reduced_modulus(1.0)
+    pads, tissue = kept_pads(kept), Tissue.of_reduced_modulus(1.0)
     load, area, depth = kept[:, -5], kept[:, -4] / AREA_BIAS, kept[:, -3]
-    size = np.sqrt(area / np.pi) / placement.curvature.geometric_mean_radius
-    at_load = hertz_contact(placement, tissue, load=load)
+    radius, at_load = np.sqrt(area / np.pi), hertz_contact(pads, tissue, load=load)
     errors = {
-        "E from load and area": load / hertz_contact(placement, tissue, area=area).load - 1,
-        "E from load and indentation": load / hertz_contact(placement, tissue, indentation=depth).load - 1,
+        "E from load and area": load / hertz_contact(pads, tissue, area=area).load - 1,
+        "E from load and indentation": load / hertz_contact(pads, tissue, indentation=depth).load - 1,
         "area at a load": at_load.area / area - 1,
         "indentation at a load": at_load.indentation / depth - 1,
     }
     rows = []
-    for low, high in ((0.15, 0.25), (0.25, 0.35), (0.35, 0.45), (0.45, 0.5), (0.5, 0.6), (0.6, 0.8)):
-        inside = (low <= size) & (size < high)
-        ranges = (
-            f"{100 * one[inside].min():+.0f} to {100 * one[inside].max():+.0f} %" for one in errors.values()
-        )
-        rows.append((f"{low:g} to {high:g}", inside.sum(), *ranges))
-    table(("a/R", "pads", *errors), rows, "What Hertz theory makes of whole pads on deep tissue: its errors")
+    for of, size in (
+        ("mean radius of its silhouette", radius / silhouette_radius(pads)),
+        ("radius of curvature (a/R)", radius / pads.curvature.geometric_mean_radius),
+    ):
+        for low in (0.1, 0.2, 0.3, 0.4, 0.5):
+            inside = (low <= size) & (size < low + 0.1)
+            parts = (100 * np.quantile(one[inside], [0, 0.5, 1]) for one in errors.values())
+            ranges = (f"{middle:+.1f} % ({least:+.0f} to {most:+.0f})" for least, middle, most in parts)
+            rows.append((f"{low:g} to {low + 0.1:g} of the {of}", inside.sum(), *ranges))
+    table(
+        ("contact radius", "pads", *errors),
+        rows,
+        "Errors of Hertz theory for whole pads on deep tissue: median (range)",
+    )
 
 
 def held_out() -> None:
