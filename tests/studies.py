@@ -29,8 +29,8 @@ class Table(NamedTuple):
 
 
 def finger(name: str = "f", *, std: float = 0.1, **keys: Any) -> Table:
-    """Return a finger whose semi-axes are given; with photographs, these give them."""
-    axes = {"semi_axes_mm": PAD, "semi_axes_mm_std": dict.fromkeys(PAD, std)}
+    """Return a finger whose semi-axes are given; with photographs, these give them; without, areas alone."""
+    axes = {"semi_axes_mm": PAD, "semi_axes_mm_std": dict.fromkeys(PAD, std)} if std else {}
     return Table("fingers", {"name": name, **({} if "photographs" in keys else axes), **keys})
 
 

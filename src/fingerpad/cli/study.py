@@ -151,7 +151,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     answers = answers_of(result)
     for summary, answer in zip(result.summaries, answers, strict=True):
         typer.echo(answer.sentence)
-        if summary.corrected_radius is None:
+        if not summary.column("pooled").any():
             typer.echo(f"{answer.label}: {why_not_pooled(summary)}")
     for line in fingers_without_results(result):
         typer.echo(line)

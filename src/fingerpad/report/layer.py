@@ -94,7 +94,10 @@ def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) ->
 
     The section takes longer than all else of a report.
     """
-    if result.fingers[summary.finger].effective_thickness is None:
+    finger = result.fingers[summary.finger]
+    if not finger.has_semi_axes:
+        return
+    if finger.effective_thickness is None:
         yield from _conditional(result, summary)
     elif with_section:
         yield from _section(result, summary)

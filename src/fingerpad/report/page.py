@@ -164,12 +164,18 @@ def _missing(result: StudyResult, found: Sequence[Answer]) -> Iterator[str]:
             f"Assumed, since the manifest does not say: {one}. Set wedge_angle_deg_std and "
             "roll_angle_deg_std if you know better."
         )
-    if half_space := [one.label for one in found if one.of.on_layer is None]:
+    if shapeless := [name for name, finger in result.fingers.items() if finger.source == "none"]:
+        yield (
+            "Missing: semi-axes or photographs, so that there are contact areas alone, no radius and no "
+            f"modulus: {', '.join(shapeless)}."
+        )
+    shaped = [one for one in found if result.fingers[one.of.finger].has_semi_axes]
+    if half_space := [one.label for one in shaped if one.of.on_layer is None]:
         yield (
             "Missing: the thickness of the tissue, so that the modulus is that of Hertz theory: "
             f"{', '.join(half_space)}."
         )
-    if unloaded := [one.label for one in found if math.isnan(one.of.loading_radius_mm)]:
+    if unloaded := [one.label for one in shaped if math.isnan(one.of.loading_radius_mm)]:
         yield (
             "Missing: loading data, so that there is no loading radius R_g to compare with: "
             f"{', '.join(unloaded)}."

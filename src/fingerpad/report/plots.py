@@ -88,9 +88,12 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
             _radii,
         ),
     ):
+        drawn = [values(rows, one) for rows, one in pairs]
+        if not any(len(points["x"]) for points in drawn):
+            continue
         lines = [
-            Series(name=one.label, colour=colours[one.label], synthetic=one.of.synthetic, **values(rows, one))
-            for rows, one in pairs
+            Series(name=one.label, colour=colours[one.label], synthetic=one.of.synthetic, **points)
+            for points, (_, one) in zip(drawn, pairs, strict=True)
         ]
         figure, (axes,) = new_panels(height_mm=78)
         plot_over_load(axes, lines, label=label, beside=_BESIDE if name == "radius" else ())
@@ -103,41 +106,9 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     (last,) = records(rows[-1:])
     name, at = group_name(summary.key), where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
     synthetic, left_out = rows["synthetic"], ~rows["pooled"]
-    yield Plot(
-        name=f"{name}_pad",
-        figure=_pad(result, summary, last),
-        caption=(
-            f"The pad seen through the platen ({at}; grey: not pad), and the contact "
-            f"{last['observation']} drawn flat. Hertz theory gives the shape only."
-            + ("" if last["long_axis"] else " The measured ellipse has no direction and is not drawn.")
-        ),
-    )
-    loading = loading_radius(result.curves, summary.finger_and_wedge)
-    level = ""
-    if loading is not None:
-        band = ", with one standard uncertainty (band)" if np.isfinite(loading.std) else ""
-        level = f" Dashed: loading data{band}."
-    yield Plot(
-        name=f"{name}_corrected_radius",
-        figure=panel(
-            figures.plot_corrected_radius,
-            rows["load_N"],
-            rows["radius_from_indentation_mm"],
-            corrected_radius_std=rows["radius_from_indentation_mm_total_std"],
-            fixed_geometry_std=rows["radius_from_indentation_mm_fixed_geometry_std"],
-            compliance_radius=rows["radius_from_compliance_mm"],
-            measured_radius=loading and loading.value,
-            measured_radius_std=loading and loading.std,
-            mean_curvature_radius=last["mean_curvature_radius_mm"],
-            synthetic=synthetic,
-            left_out=left_out,
-        ),
-        caption=(
-            f"Corrected radius against load ({at}); thin bars: one standard uncertainty, of "
-            "which contacts share the parts from the pad's geometry and the model; thick bars: without these "
-            f"parts, as Dzidek et al. do. Dotted: undeformed pad.{level}"
-        ),
-    )
+    has_pad = result.fingers[summary.finger].has_semi_axes
+    if has_pad:
+        yield from _pad_plots(result, summary, rows, last)
     if np.ptp(rows["load_N"].to_numpy()) > 0:
         exponent, seen = area_exponent(summary.areas), with_areas(rows)
         yield Plot(
@@ -172,8 +143,49 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
                 synthetic=synthetic,
                 left_out=left_out,
             ),
-            caption=f"Aspect ratio and direction of the long axis, measured and predicted ({at}).",
+            caption="Aspect ratio and direction of the long axis, measured"
+            f"{' and predicted' * has_pad} ({at}).",
         )
+
+
+def _pad_plots(result: StudyResult, summary: Summary, rows: pd.DataFrame, last: Row) -> Iterator[Plot]:
+    """Draw contact and corrected radius, which need the pad."""
+    name, at = group_name(summary.key), where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
+    yield Plot(
+        name=f"{name}_pad",
+        figure=_pad(result, summary, last),
+        caption=(
+            f"The pad seen through the platen ({at}; grey: not pad), and the contact "
+            f"{last['observation']} drawn flat. Hertz theory gives the shape only."
+            + ("" if last["long_axis"] else " The measured ellipse has no direction and is not drawn.")
+        ),
+    )
+    loading = loading_radius(result.curves, summary.finger_and_wedge)
+    level = ""
+    if loading is not None:
+        band = ", with one standard uncertainty (band)" if np.isfinite(loading.std) else ""
+        level = f" Dashed: loading data{band}."
+    yield Plot(
+        name=f"{name}_corrected_radius",
+        figure=panel(
+            figures.plot_corrected_radius,
+            rows["load_N"],
+            rows["radius_from_indentation_mm"],
+            corrected_radius_std=rows["radius_from_indentation_mm_total_std"],
+            fixed_geometry_std=rows["radius_from_indentation_mm_fixed_geometry_std"],
+            compliance_radius=rows["radius_from_compliance_mm"],
+            measured_radius=loading and loading.value,
+            measured_radius_std=loading and loading.std,
+            mean_curvature_radius=last["mean_curvature_radius_mm"],
+            synthetic=rows["synthetic"],
+            left_out=~rows["pooled"],
+        ),
+        caption=(
+            f"Corrected radius against load ({at}); thin bars: one standard uncertainty, of "
+            "which contacts share the parts from the pad's geometry and the model; thick bars: without these "
+            f"parts, as Dzidek et al. do. Dotted: undeformed pad.{level}"
+        ),
+    )
 
 
 def where(finger: str, wedge_angle_deg: float, synthetic: bool) -> str:

@@ -214,6 +214,7 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
             f"{words} {value_with_uncertainty(axis, std)} mm"
             for words, axis, std in zip(_AXIS_WORDS.values(), finger.semi_axes, stds, strict=True)
         )
+        axes = f"semi-axes {axes}" if finger.has_semi_axes else "no semi-axes"
         contacts = int(np.count_nonzero(result.rows["finger"] == finger.name))
         pressed = any(one.manifest.finger == finger.name for one in result.sequences)
         why = (
@@ -223,7 +224,7 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
             if pressed
             else "no contact is given"
         )
-        yield f"{finger.name}: semi-axes {axes}{'  (synthetic)' if finger.synthetic else ''}; {why}"
+        yield f"{finger.name}: {axes}{'  (synthetic)' if finger.synthetic else ''}; {why}"
         for place in places:
             name, wedge_angle_deg, synthetic = place
             found = loading_radius(result.curves, place) if name == finger.name else None

@@ -105,9 +105,10 @@ def item_states(items: StudyItems) -> dict[str, str]:
 def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRecord | None) -> str:
     """Return the state of a finger's semi-axes in the results of the last run, by what they say of it.
 
-    ``given``, or as `Status` counts items: ``stale`` also where a photograph was added, removed or rejected.
+    ``given``, also where there is nothing to measure, or as `Status` counts items: ``stale`` also where a
+    photograph was added, removed or rejected.
     """
-    if finger.semi_axes_mm is not None:
+    if finger.semi_axes_mm is not None or not finger.photographs:
         return "given"
     if record is None:
         return "left"
@@ -197,7 +198,6 @@ _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a sequence.
 _SEQUENCE: Final = 20
 _OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>.*)")
-_NEEDS_AXES: Final = "give either semi_axes_mm or photographs"
 _NEEDS_SCALE: Final = " needs its scale"
 _FIELD_WORDS: Final = {
     "diameter_mm": "the diameter of the coin or circle",
@@ -258,8 +258,6 @@ def _lacking(one: Table, fault: Fault) -> Missing:
         place = found["place"]
     if _NEEDS_SCALE in words:
         place = "scale"
-    if words.startswith(_NEEDS_AXES):
-        place = "semi_axes_mm"
     return Missing(kind=kind, key=key, words=f"{of}{_words(place, words)}", place=place)
 
 
@@ -267,13 +265,15 @@ def _words(place: str, words: str) -> str:
     """Return what is wrong at a place, without the names of keys where that can be."""
     if words == "required, but missing" and place in _FIELD_WORDS:
         return f"{_FIELD_WORDS[place]} is missing"
-    if words.startswith(_NEEDS_AXES):
-        return "give its semi-axes, or photographs of its faces"
     return "its scale is missing" if _NEEDS_SCALE in words else str(Fault(place, words))
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:
     if finger.semi_axes_mm is not None:
+        return
+    if not finger.photographs:
+        words = "for more than contact areas, give its semi-axes or photographs of its faces"
+        yield Missing(kind="finger", key=finger.name, words=words, place="semi_axes_mm")
         return
     shown = {axis for photograph in finger.photographs for axis in FACE_AXES[photograph.face]}
     for axis, words in _AXIS_WORDS.items():

@@ -101,6 +101,8 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     finger = opened.finger(name)
     if finger is None:
         return None
+    if not finger.photographs and finger.semi_axes_mm is None:
+        return None
     if finger.semi_axes_mm is not None:
         return finger_result(finger, {}, opened.folder, {})  # nothing to measure
     found = last_results(opened)

@@ -118,7 +118,7 @@ _MIN_LOAD_SHARE = 0.1
 
 def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
     """Return whether the area follows the load, by their rank correlation."""
-    if not np.ptp(loads) > 0:
+    if not (np.ptp(loads) > 0 and np.ptp(areas) > 0):
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
 

@@ -192,10 +192,18 @@ class StudyFiles:
         return after
 
 
+_OF_SHAPE: Final = frozenset(("semi_axes_mm", "photographs"))
+
+
 def _require_as_complete(before: LoadedStudy, after: LoadedStudy) -> None:
     """Refuse to make wrong what was complete; what was not may lack other things than before."""
     wrong_before = {(one.kind, one.key) for one in before.incomplete}
-    was_complete: set[tuple[str, str]] = {(one.kind, one.key) for one in before.tables if one.complete}
+    # A finger of a name alone may get photographs whose face is not known yet.
+    was_complete: set[tuple[str, str]] = {
+        (one.kind, one.key)
+        for one in before.tables
+        if one.complete and (one.kind != "finger" or not one.content.keys().isdisjoint(_OF_SHAPE))
+    }
     was_complete |= {(name, "") for name in ("study", *SECTIONS)} - wrong_before
     contents = [one.content for one in before.incomplete]
     lines = [

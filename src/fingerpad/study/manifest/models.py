@@ -294,7 +294,10 @@ class Photograph(ManifestModel):
 
 
 class Finger(ManifestModel):
-    """A finger, with its semi-axes given or to be fitted to the outlines of its photographs."""
+    """A finger, with its semi-axes given or to be fitted to the outlines of its photographs.
+
+    Without both, contact areas alone follow from its pictures.
+    """
 
     name: Name
     """Name of the finger, by which observations refer to it."""
@@ -320,8 +323,8 @@ class Finger(ManifestModel):
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if (self.semi_axes_mm is None) == (not self.photographs):
-            raise ValueError("give either semi_axes_mm or photographs, one of the two")
+        if self.semi_axes_mm is not None and self.photographs:
+            raise ValueError("give either semi_axes_mm or photographs, not both")
         if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
             raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
         thickness, std = self.effective_thickness_mm, self.effective_thickness_mm_std
@@ -658,8 +661,15 @@ class Study(ManifestModel):
         if placed:
             yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
 
+    @property
+    def has_models(self) -> bool:
+        """Whether there is more than contact areas: a loading curve, or a finger of known shape."""
+        return bool(self.curves) or any(one.semi_axes_mm or one.photographs for one in self.fingers)
+
     def assumed(self) -> list[str]:
         """Name the uncertainties that results assume, since the manifest does not state them."""
+        if not self.has_models:
+            return []
         common = self.uncertainty
         stds = {
             "wedge_angle_deg_std": f"the wedge angle to ± {common.wedge_angle_deg_std:g}°",
@@ -679,6 +689,8 @@ class Study(ManifestModel):
             "the load": common.load_std,
             "Poisson's ratio": common.poisson_ratio_std,
         }
+        if not self.has_models:
+            stds = {"the load": common.load_std}
         yield from (words for words, std in stds.items() if not std)
         for finger in self.fingers:
             if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None:

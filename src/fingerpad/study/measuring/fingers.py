@@ -83,7 +83,7 @@ class FingerResult:
     name: str
     semi_axes: FloatArray  # palmar, distal, radial–ulnar, mm; NaN where they could not be had
     covariance: FloatArray
-    source: str  # `given` or `photographs`
+    source: str  # `given`, `photographs` or `none`
     outlines: PadSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
@@ -95,6 +95,11 @@ class FingerResult:
     reason: str | None = None
     person: str | None = None
     digit: str | None = None
+
+    @property
+    def has_semi_axes(self) -> bool:
+        """Whether semi-axes are known, without which there are contact areas alone."""
+        return bool(np.isfinite(self.semi_axes).all())
 
     def outline_radius(self, wedge_deg: float) -> tuple[float, float]:
         """Return the radius along the finger where a wedge touches, from side faces' outlines alone.
@@ -165,6 +170,8 @@ def finger_result(
             source="given",
             **stated(finger),
         )
+    if not finger.photographs:
+        return _without_semi_axes(finger, "none")
     try:
         seen = [
             _face(photograph, scales, folder, measured.get(item))
@@ -173,16 +180,21 @@ def finger_result(
         ]
         joint = combine_faces(face for face, _ in seen)
     except FingerpadError as error:
-        return FingerResult(
-            semi_axes=np.full(3, np.nan),
-            covariance=np.full((3, 3), np.nan),
-            source="photographs",
-            reason=in_study(f"finger {finger.name}: {error}", folder),
-            **stated(finger),
-        )
+        reason = in_study(f"finger {finger.name}: {error}", folder)
+        return _without_semi_axes(finger, "photographs", reason)
     photographs = tuple(result for _, result in seen if result is not None)
     found = finger_from_faces(finger, joint, (one.outline_radii for one in photographs))
     return replace(found, photographs=photographs)
+
+
+def _without_semi_axes(finger: Finger, source: str, reason: str | None = None) -> FingerResult:
+    return FingerResult(
+        semi_axes=np.full(3, np.nan),
+        covariance=np.full((3, 3), np.nan),
+        source=source,
+        reason=reason,
+        **stated(finger),
+    )
 
 
 def finger_from_faces(

@@ -112,7 +112,8 @@ class AtLoad:
     count: int  # of contacts
     sessions: int  # number of those in which they were made
     area: LoadMean  # contact area, mm²
-    modulus: LoadMean  # Young's modulus from load and area by Hertz theory, kPa
+    # Young's modulus from load and area by Hertz theory, kPa; None of a finger without semi-axes.
+    modulus: LoadMean | None
     verdict: str
     # Young's modulus on the finger's layer of tissue, kPa, over the contacts in the range of its laws; None
     # without any.
@@ -139,7 +140,7 @@ def pool_by_load(
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
     counts = rows.table["pooled"] & rows.table["frame"].isna()
     table = rows.table[list(_COLUMNS)]
-    table = table[counts & (table["load_N"] > 0) & (table["youngs_modulus_kpa"] > 0)]
+    table = table[counts & (table["load_N"] > 0)]
     found = []
     for key, places in groups(table, *PLACEMENT).items():
         group = table.iloc[places].sort_values("load_N", kind="stable")
@@ -183,7 +184,6 @@ def _at_load(
     noise = np.where(by_image, own["noise"], ellipse)
     total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), ellipse)
     repeats = area * repeatability.area_std
-    modulus = {part: rows[f"youngs_modulus_kpa_{part}_std"].to_numpy() for part in _PARTS}
     return AtLoad(
         finger=finger,
         wedge_angle_deg=wedge,
@@ -199,17 +199,30 @@ def _at_load(
             freedom,
             sessions("contact_area"),
         ),
-        modulus=LoadMean.of(
-            contact_quantity(rows, "youngs_modulus"),
-            modulus,
-            rows["youngs_modulus_kpa_std"].to_numpy(),
-            freedom,
-            sessions("youngs_modulus"),
-            model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
-        ),
+        modulus=_by_hertz(rows, freedom, sessions("youngs_modulus"), validity),
         verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
         modulus_on_layer=_on_layer(of, rows, freedom, sessions("youngs_modulus")),
         layer_verdict=validity.layer_verdict if validity and validity.layer_checks else "",
+    )
+
+
+def _by_hertz(
+    rows: pd.DataFrame,
+    freedom: float,
+    sessions: tuple[int, ScatterComponent | None],
+    validity: Validity | None,
+) -> LoadMean | None:
+    """Pool Young's modulus by Hertz theory; None of a finger without semi-axes."""
+    values = contact_quantity(rows, "youngs_modulus")
+    if np.isnan(values).any():
+        return None
+    return LoadMean.of(
+        values,
+        {part: rows[f"youngs_modulus_kpa_{part}_std"].to_numpy() for part in _PARTS},
+        rows["youngs_modulus_kpa_std"].to_numpy(),
+        freedom,
+        sessions,
+        model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
     )
 
 

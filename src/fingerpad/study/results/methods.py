@@ -62,7 +62,11 @@ def methods_section(result: StudyResult) -> MethodsRecord:
 
 
 def _fingers(result: StudyResult) -> Iterator[str]:
-    fingers = result.fingers.values()
+    fingers = [finger for finger in result.fingers.values() if finger.source != "none"]
+    if areas_alone := [finger.name for finger in result.fingers.values() if finger.source == "none"]:
+        yield f"Of {_named(areas_alone)}, whose semi-axes are not known, contact areas alone were measured."
+    if not fingers:
+        return
     persons = len({finger.person for finger in fingers} - {None})
     whose = f" ({counted(persons, 'person')})" if persons else ""
     one = len(fingers) == 1
@@ -180,6 +184,8 @@ def _reviewed(result: StudyResult) -> Iterator[str]:
 
 
 def _models(result: StudyResult) -> Iterator[str]:
+    if not result.study.has_models:
+        return
     study, of = result.study, result.study.apparatus
     basis = f", {of.poisson_ratio_basis}" if of.poisson_ratio_basis else ""
     yield (
@@ -228,7 +234,7 @@ def _uncertainty(result: StudyResult) -> Iterator[str]:
 
 def _missing(result: StudyResult) -> Iterator[str]:
     study, of = result.study, result.study.apparatus
-    images = _has_images(result)
+    images, models = _has_images(result), study.has_models
     thickness = any(finger.effective_thickness_mm for finger in study.fingers)
     kinds = set(result.rows["synthetic"].tolist())
     repeated = all(result.repeatability[kind].known for kind in kinds)
@@ -241,8 +247,8 @@ def _missing(result: StudyResult) -> Iterator[str]:
         (True, of.stage, "what moved finger or platen (apparatus.stage)"),
         (True, _velocity(result), "the velocity of approach (apparatus.approach_mm_per_s)"),
         (bool(study.observations), of.dwell_s, "how long contacts were held (apparatus.dwell_s)"),
-        (True, of.poisson_ratio_basis, "the basis of Poisson's ratio (apparatus.poisson_ratio_basis)"),
-        (True, thickness, "the thickness of the tissue over bone (effective_thickness_mm of the fingers)"),
+        (models, of.poisson_ratio_basis, "the basis of Poisson's ratio (apparatus.poisson_ratio_basis)"),
+        (models, thickness, "the thickness of the tissue over bone (effective_thickness_mm of the fingers)"),
         (thickness, of.thickness_basis, "the basis of the effective thickness (apparatus.thickness_basis)"),
     )
     return (words for needed, stated, words in asked if needed and not stated)

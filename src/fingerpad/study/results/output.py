@@ -346,7 +346,7 @@ def _at_load(one: AtLoad) -> summary_file.AtLoadRecord:
         contacts=one.count,
         **_mean("contact_area_mm2", one.area),
         **_mean("youngs_modulus_kpa", one.modulus),
-        youngs_modulus_kpa_model_std=one.modulus.model_std,
+        youngs_modulus_kpa_model_std=one.modulus and one.modulus.model_std,
         youngs_modulus_kpa_verdict=one.verdict,
         **_mean("youngs_modulus_on_layer_kpa", one.modulus_on_layer),
         youngs_modulus_on_layer_kpa_verdict=one.layer_verdict,
@@ -453,8 +453,15 @@ class Answer:
     def text(self) -> str:
         """What was found, without whose it is."""
         of, hertz = self.of, self.of.validity
+        seen = counted(of.count or of.frames, "contact" if of.count else "frame")
+        if math.isnan(of.mean_curvature_radius_mm):  # a finger without semi-axes
+            area = f"contact areas of {seen}"
+            if not math.isnan(self.area):
+                area = f"{_quantity('contact area', self.area, self.area_std, 'mm²')} under {self.load:.3g} N"
+            off = _largest(hertz.verdict, hertz.checks)
+            theory = off and f"; Hertz theory {hertz.verdict} ({off})"
+            return f"{area}{theory}; no modulus and no radius without the finger's semi-axes or photographs"
         if not of.radius_from_indentation_count:
-            seen = counted(of.count or of.frames, "contact" if of.count else "frame")
             return f"no modulus and no corrected radius, as none of {seen} counts"
         layer = hertz.on_layer if self.on_bone else None
         bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"

@@ -478,7 +478,7 @@ def pool_contacts(rows: Rows) -> list[Summary]:
 
 def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
     table, layer = rows.table, None
-    pooled = table[[*_POOLED]].iloc[places[table["pooled"].to_numpy()[places]]]
+    pooled = table[[*_POOLED]].iloc[places[np.isin(places, rows.pooled)]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")
     estimate = items_of(pooled)
     corrected, compliance = (

@@ -145,7 +145,8 @@ class _Batch:
             measured.rejected or measured.reason or fingers[contact.finger].reason or _unloaded(measured)
             for contact, measured in seen
         ]
-        sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
+        has_pad = [fingers[contact.finger].has_semi_axes for contact, _ in seen]
+        sound = np.array([n for n, pad in enumerate(has_pad) if pad and reasons[n] is None], dtype=np.intp)
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
         inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
         modelled = Modelled.of(inputs, study.uncertainty)

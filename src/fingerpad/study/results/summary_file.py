@@ -160,7 +160,7 @@ class FingerRecord(Record):
     finger: str = Field(description="Its name.")
     person: str | None = Field(description="Whose it is.")
     digit: str | None = Field(default=None, description="Which of theirs, where it is not its name.")
-    source: str = Field(description="`given` or `photographs`.")
+    source: str = Field(description="`given`, `photographs`, or `none` without semi-axes.")
     synthetic: bool = Field(description="Whether anything of it was rendered or simulated.")
     palmar_mm: SemiAxis = Field(description="Palmar semi-axis, mm.")
     distal_mm: SemiAxis = Field(description="Distal semi-axis, mm.")

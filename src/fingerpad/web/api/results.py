@@ -329,7 +329,7 @@ def plot(opened: Opened, params: Query[PlotParams]) -> Plot:
 def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
     placement = zip(PLACEMENT, of.key, strict=True)
     placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
-    rows = with_areas(table[placed & table[_PLOTTED[0]].notna()])
+    rows = with_areas(table[placed & (table["status"].to_numpy() == "measured")])
     rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
     radius = of.validity.headlines[_PLOTTED[0]]
     codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())

@@ -266,7 +266,7 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
 def contact_shape_check(case: FingerAtAngle) -> ValidityCheck:
     """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
     shape = measured_shape(case)
-    return _SHAPE.untested(NOTHING_COUNTS) if shape is None else shape.against(shape.predicted, _SHAPE)
+    return _SHAPE.untested(case.nothing) if shape is None else shape.against(shape.predicted, _SHAPE)
 
 
 def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
@@ -274,7 +274,7 @@ def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     row, thickness = case.highest_row, case.pad.effective_thickness or case.pad.pad_thickness
     for kind, checks in _OF_SIZE.items():
         if row is None or (kind == "layer" and thickness is None):
-            why = NOTHING_COUNTS if row is None else "no thickness of the tissue is stated"
+            why = case.nothing if row is None else "no thickness of the tissue is stated"
             yield from (check.untested(why) for check in checks.values())
         else:
             yield from _errors(case, row, checks, thickness if kind == "layer" else None)
@@ -353,7 +353,7 @@ def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
 def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     loading, pooled = case.loading, case.summary.compliance_radius
     if loading is None or pooled is None:
-        return _CHECKS[RADIUS].untested(NO_CURVE if loading is None else NOTHING_COUNTS)
+        return _CHECKS[RADIUS].untested(NO_CURVE if loading is None else case.nothing)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
@@ -383,7 +383,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     # For one area and load ξ goes with 1/R and E with R.
     for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
-            yield _CHECKS[name].untested(NO_CURVE if loading is None else NOTHING_COUNTS)
+            yield _CHECKS[name].untested(NO_CURVE if loading is None else case.nothing)
             continue
         radius = row["geometric_radius_from_compliance_mm"]
         relative = row["geometric_radius_from_compliance_mm_std"] / radius
@@ -584,7 +584,7 @@ def _relative(quantity: LayerQuantity, source: str) -> float:
 def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     shape, row, pad = measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
-        return _LAYER_SHAPE.untested(NOTHING_COUNTS)
+        return _LAYER_SHAPE.untested(case.nothing)
     placement = Placement(
         Ellipsoid(*pad.semi_axes),
         wedge_angle=math.radians(row["wedge_angle_deg"]),

@@ -274,6 +274,7 @@ HERTZ_EXPONENT: Final = 2 / 3
 SAME_LOAD: Final = 0.9
 NO_CURVE: Final = "no loading data of this finger at this angle"
 NOTHING_COUNTS: Final = "no contact counts"
+NO_SEMI_AXES: Final = "the finger has no semi-axes"
 
 
 class FingerAtAngle(NamedTuple):
@@ -311,6 +312,11 @@ class FingerAtAngle(NamedTuple):
             fits=tuple(_fits(curves, summary)),
             loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
         )
+
+    @property
+    def nothing(self) -> str:
+        """Why there is no contact with a radius."""
+        return NOTHING_COUNTS if self.pad.has_semi_axes else NO_SEMI_AXES
 
 
 def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
