@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import re
+import tomllib
 from pathlib import Path
 
 import benchmarks.__main__ as command
@@ -79,49 +80,37 @@ def test_a_stored_result_says_when_of_what_and_how_it_was_made(name):
     assert command.sample_words(sample) in last or "; copied from the documentation" in last
 
 
-# What README, paper and the page on accuracy state, and the cells of stored results that say so.
-CLAIMS = {
-    "README.md": {
-        "1.0 to 2.3 % (rms)": ("contact_areas", ["+0.28 %, 2.3 %", "+0.58 %, 1.0 %"]),
-        "in 94 to 100 %": ("contact_areas", ["2.3 % | 1.8 %, 94 %", "1.4 % | 2.1 %, 100 %"]),
-        "ridge areas are 6 to 13 % too large": ("contact_areas", ["+6.5 %, 7.7 %", "+13 %, 14 %"]),
-        "median error of 0.23 %": ("photographs", ["| 96 | 0.23 % |"]),
-        "4 to 13 % rms on other shapes": ("anatomic_fingers", ["| all | 192 | -2.3 %, 13 % |"]),
-    },
-    "paper/paper.md": {
-        "with an rms error of 17 %": ("peers", ["largest region | -2.7 %, 17 %"]),
-        "Otsu's threshold with 10 %": ("peers", ["as MATLAB scripts do | -8.7 %, 10 %"]),
-        "an ImageJ macro with 8 %, `fingerpad` with 2 %": ("peers", ["-7.4 %, 8.3 %", "-0.19 %, 2.1 %"]),
-        "where ink spreads (50 %)": ("contact_areas", ["+13 %, 14 % | 4.2 %, 50 %"]),
-        "sensor warms up (75 %)": (
-            "loading_truth",
-            ["force warms up by 40 mN | 0 % | 0 | -1.7 %; 75 % (75 %)"],
-        ),
-        "94 to 100 % where the theory does": (
-            "validity",
-            [
-                "| Hertz theory | 200 | 94 %",
-                "with curve | 30 | 100 %",
-                "| 4 mm of tissue over bone | 200 | 0 % | 0 % | 100 %",
-            ],
-        ),
-    },
-    "docs/reference/accuracy.md": {
-        "| rms 0.50 % without a flag | 93 % | a fifth": (
-            "coins",
-            ["| all with a coin | 242 | 48 | 56 | 1.4 % | 93 % | 0.50 % |"],
-        ),
-        "| rms 2.9–7.0 % | 94–99 % |": ("contact_areas", ["2.9 % | 5.3 %, 99 %", "7.0 % | 5.3 %, 94 %"]),
-        "| bias below 0.1 of its uncertainty | 94 % |": ("studies", ["| 94.2 % | -0.04 |"]),
-    },
-}
+STATED = tomllib.loads((RESULTS.parent / "stated.toml").read_text(encoding="utf-8"))
+NO_CLAIMS = STATED.pop("no_claims")
+
+
+def words(page):
+    """Return the text of a page on one line, without what it includes."""
+    text = re.sub(r"```{include}.*?```", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+    return " ".join(text.split())
 
 
 @pytest.mark.parametrize(
-    ("page", "claim"), [(page, claim) for page, some in CLAIMS.items() for claim in some]
+    ("page", "claim"), [(page, claim) for page, claims in STATED.items() for claim in claims]
 )
 def test_a_claim_stands_in_a_stored_result(page, claim):
-    assert claim in " ".join((ROOT / page).read_text(encoding="utf-8").split())
-    name, cells = CLAIMS[page][claim]
-    result = (RESULTS / f"{name}.md").read_text(encoding="utf-8")
-    assert [cell for cell in cells if cell not in result] == []
+    assert claim in words(page)
+    for name, cells in STATED[page][claim].items():
+        result = (RESULTS / f"{name}.md").read_text(encoding="utf-8")
+        assert [cell for cell in cells if cell not in result] == []
+
+
+@pytest.mark.parametrize("page", NO_CLAIMS)
+def test_each_percentage_stands_in_a_stored_result(page):
+    text = words(page)
+    spans = [
+        found.span()
+        for known in (*STATED[page], *NO_CLAIMS[page])
+        for found in re.finditer(re.escape(known), text)
+    ]
+    unknown = [
+        text[max(0, found.start() - 60) : found.end()]
+        for found in re.finditer(r"[\d.]+ ?%", text)
+        if not any(start <= found.start() and found.end() <= end for start, end in spans)
+    ]
+    assert unknown == []

@@ -15,7 +15,7 @@ CONDITIONS: Final = {
 }  # fmt: skip
 
 
-def report(count: int = 4, seed: int = 8) -> None:
+def report(count: int = 12, seed: int = 8) -> None:
     """Print errors, coverage and flags of each condition."""
     rows = (
         cells(f"{name}: {each}", compare_conditions([(name, each)], count, seed), flags=True)
