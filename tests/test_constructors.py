@@ -18,7 +18,6 @@ from fingerpad.contact import (
     hertz_contact,
     indentation_factor,
     size_factor,
-    solve_contact,
     solve_gap,
     youngs_modulus,
 )
@@ -37,7 +36,6 @@ from fingerpad.image import (
     ForceSignal,
     Frame,
     FrameRate,
-    FrameStamps,
     Grid,
     ImageEllipse,
     PhaseIntervals,
@@ -80,10 +78,6 @@ PRESSED = {"gap": lambda x, y: (x**2 + y**2) / 20, "tissue": Tissue(0.1), "half_
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
 
 
-def press(pad=PAD, wedge_angle=0.5):
-    return solve_contact(Placement(pad, wedge_angle=wedge_angle), SOFT, load=2.0, points=64)
-
-
 INVALID = {
     ImageError: [
         (lambda: ImageEllipse(centre=(9, 9), semi_axes=(-1, 2)), r"larger first, found \(-1, 2\)"),
@@ -119,8 +113,6 @@ INVALID = {
             "orientation must be finite",
         ),
         (lambda: render_sequence([0.0, 0.1], ppi=-1), "ppi must be positive and finite, found -1"),
-        (lambda: Ellipsoid(palmar=-7.9, distal=13.8, radial_ulnar=11.8), "palmar .*found -7"),
-        (lambda: Ellipse(5.0, 7.4), "semi_minor must be no longer"),
         (lambda: Paraboloid([12, -1], 14), "first_radius .*found -1 at index 1"),
         (lambda: dataclasses.replace(PAD, distal=0), "distal"),
         (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numeric, found 'a'"),
@@ -128,16 +120,14 @@ INVALID = {
         (lambda: Paraboloid([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
         (lambda: Placement(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"ellipsoid \(2,\), wedge_angle \(3"),
         (lambda: Placement(PAD, wedge_angle=[0.1, 0.2], roll_angle=[0, 0, 0]), r"roll_angle \(3,\)"),
-        (lambda: Tissue(-1), "youngs_modulus must be positive and finite, found -1"),
         (lambda: Tissue("a"), "youngs_modulus must be numeric, found 'a'"),
         (lambda: Tissue.of_reduced_modulus(-1), "youngs_modulus must be positive and finite, found -0.75"),
         (lambda: Counterface(radius=0), "radius must be positive, found 0"),
         (lambda: Counterface(radius=np.nan), "radius must be positive, found nan"),
+        (lambda: Counterface.cylinder(1.0, axis_angle=np.nan), "axis_angle must be finite, found nan"),
         (lambda: Gap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
         (lambda: Gap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
         (lambda: solve_gap(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
-        (lambda: press(wedge_angle=3), "wedge_angle must be between 0 and π/2 .*found 3"),
-        (lambda: press(wedge_angle=np.nan), "wedge_angle must be finite"),
     ],
     LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
@@ -150,12 +140,9 @@ INVALID = {
         ),
         (lambda: PhaseIntervals([0, 1], ["x", "hold"]), "phase must be one of before, loading.*found 'x'"),
         (lambda: PhaseIntervals([0, "b"], ["loading", "hold"]), "start must be numeric"),
-        (lambda: ForceSignal([0, 0], [0, 1]), "time must increase"),
-        (lambda: FrameStamps([1, 0]), "must increase"),
     ],
     CalibrationError: [
         (lambda: Scale("a"), "mm_per_px must be numeric, found 'a'"),
-        (lambda: Scale(0.05, -1), "mm_per_px_std must be zero or positive, and finite, found -1"),
         (lambda: Scale.of_ppi("500"), "ppi must be numeric, found '500'"),
         (
             lambda: Picture(pixels=PIXELS, dots_per_inch=-1),

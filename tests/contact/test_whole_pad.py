@@ -111,18 +111,6 @@ def test_layer_of_8_mm_gives_published_loading_radii(
     assert_allclose(found.area, area, rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("load", "message"),
-    [
-        (0.0, "load must be positive and finite, found 0"),
-        (2000.0, "load would flatten the pad to its silhouette"),
-    ],
-)
-def test_invalid_loads(load: float, message: str) -> None:
-    with pytest.raises(GeometryError, match=message):
-        solve_contact(PLACEMENT, SOFT, load=load, points=64)
-
-
 def test_one_contact_at_a_time() -> None:
     two = Placement(PAD, wedge_angle=np.radians([30, 45]))
     for placement, tissue in ((two, SOFT), (two[0], Tissue([0.1, 0.2]))):
@@ -133,8 +121,6 @@ def test_one_contact_at_a_time() -> None:
     assert solved[0] == solved[1]
 
 
-def test_invalid_bodies() -> None:
-    with pytest.raises(GeometryError, match="radius must be positive, found 0"):
-        Counterface.sphere(0.0)
-    with pytest.raises(GeometryError, match="axis_angle must be finite, found nan"):
-        Counterface.cylinder(1.0, axis_angle=math.nan)
+def test_a_load_that_flattens_the_pad_is_refused() -> None:
+    with pytest.raises(GeometryError, match="load would flatten the pad to its silhouette"):
+        solve_contact(PLACEMENT, SOFT, load=2000.0, points=64)

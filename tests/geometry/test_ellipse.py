@@ -20,12 +20,6 @@ def test_circle() -> None:
     assert circle.axis_ratio == 1
 
 
-def test_area_of_any_unit() -> None:
-    millimetres, metres = Ellipse(7.4, 5.0), Ellipse(7.4e-3, 5.0e-3)
-    assert_allclose(metres.area, 1e-6 * millimetres.area)
-    assert_allclose(metres.eccentricity, millimetres.eccentricity)
-
-
 @pytest.mark.parametrize(
     ("axes", "message"),
     [

@@ -1,28 +1,21 @@
-"""Contact images from a pressure field, whose truth shares nothing with the measurement."""
+"""Contact images from a pressure field, which shares nothing with the measurement."""
 
 import numpy as np
 import pytest
-from benchmarks.claims.contact_areas import Compared, compare
+from benchmarks.claims.contact_areas import compare
 from benchmarks.truth.pressed_pad import Press, Skin, boundary_of, press_pad
 from benchmarks.truth.pressure_images import pressure_image
 
 _RIDGES = {"kind": "whorl", "seed": 0, "growth_periods": 26, "period": 0.45}
-_CONDITIONS = ("prism, Hertz pressure", "prism, moist", "live-scan", "plate lit from the side")
 
 
-@pytest.fixture(scope="module")
-def comparisons() -> list[Compared]:
-    return [compare(pressure_image(name, 1, area=45.0, **_RIDGES)) for name in _CONDITIONS]
-
-
-@pytest.mark.nightly
-def test_the_intervals_hold_gross_area_and_semi_axes(comparisons):
-    for comparison in comparisons:
-        assert comparison.held[[0, 2, 3]].all()
-        assert not comparison.flags
-
-    assert comparisons[0].held[1]
-    assert np.sqrt(np.mean(np.square([comparison.errors[0] for comparison in comparisons]))) < 0.06
+def test_the_intervals_hold_areas_and_semi_axes():
+    """On one image what `benchmarks.claims.contact_areas` measures on many, of four simulators."""
+    found = compare(pressure_image("prism, Hertz pressure", 1, area=45.0, **_RIDGES))
+    assert found.held.all()
+    assert abs(found.errors[0]) < 0.06
+    assert abs(found.errors[1]) < 0.1
+    assert not found.flags
 
 
 def test_the_truth_is_that_of_an_ellipse():

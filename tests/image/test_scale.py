@@ -53,7 +53,7 @@ def test_invalid_scales(make, bad):
 def test_invalid_uncertainties(bad):
     with pytest.raises(CalibrationError, match="ppi_std"):
         Scale.of_ppi(500, bad)
-    with pytest.raises(CalibrationError, match="mm_per_px_std"):
+    with pytest.raises(CalibrationError, match="mm_per_px_std must be zero or positive, and finite"):
         Scale(0.05, bad)
 
 

@@ -164,17 +164,6 @@ def test_without_a_pull_off_nothing_is_guessed() -> None:
         fp.fit_loading_curve(curve, law="jkr", thickness=8.0)
 
 
-# Records of others, in kind and number; `python -m benchmarks adhesion` has more of them.
-@pytest.mark.nightly
-@pytest.mark.parametrize("kind", ["pad", "pad_compliant", "afm", "afm_stage"])
-def test_coverage_on_records_of_others(kind) -> None:
-    found = [judged(record) for record in records(seed=3, count=5, kind=kind)]
-    fitted = [one for one in found if not one["refused"]]
-    assert len(fitted) >= 4
-    assert sum(one["E"] + one["w"] + one["x0"] for one in fitted) >= 0.75 * 3 * len(fitted)
-    assert np.median([one["hertz"] for one in fitted]) > 1.015
-
-
 @pytest.mark.parametrize(("kind", "refused"), [("truncated", True), ("no_contact", True), ("rate", False)])
 def test_records_of_others_that_the_law_is_not_for(kind, refused) -> None:
     for record in records(seed=3, count=1, kind=kind):

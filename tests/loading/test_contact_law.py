@@ -74,20 +74,6 @@ def test_own_law_is_fitted_and_preferred() -> None:
     assert fit.law.flags == ()
 
 
-@pytest.mark.nightly
-def test_coverage_of_an_own_law() -> None:
-    law, held = stiffening(), []
-    for seed in range(12):
-        fit = fp.fit_loading_curve(
-            record(law, seed=seed, rows=80, youngs_modulus=0.05, stiffening=1.0), law=law
-        )
-        assert fit.law is not None
-        found = fit.law.parameters
-        held += [found["youngs_modulus"].lower < 0.05 < found["youngs_modulus"].upper]
-        held += [found["stiffening"].lower < 1.0 < found["stiffening"].upper]
-    assert np.mean(held) > 0.8
-
-
 def test_our_own_law_by_the_hook() -> None:
     curve = simulate_loading_curve(points=100, force_std=0.005, area_std=0.5, load_coefficient=0.0, seed=2)
     fit = fp.fit_loading_curve(curve, law="hertz")

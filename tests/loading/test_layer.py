@@ -58,17 +58,10 @@ def test_a_half_space_leaves_the_thickness_open_above() -> None:
     assert deep.conclusion.startswith(f"tissue thicker than {deep.thickness.lower:.3g} mm")
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        "3 mm, white noise",
-        *(pytest.param(case, marks=pytest.mark.nightly) for case in ("12 mm, 1/f noise", "deep, 1/f noise")),
-    ],
-)
-def test_intervals_hold_the_truth_of_random_pads(case) -> None:
-    found = fit_once(CASES[case], 90_000)
+def test_intervals_hold_the_truth_of_a_random_pad() -> None:
+    found = fit_once(CASES["3 mm, white noise"], 90_000)
     assert found.thickness_held == found.modulus_held == 1
-    assert found.one_sided == case.startswith("deep")
+    assert not found.one_sided
 
 
 def test_a_whole_pad_takes_its_own_gap() -> None:

@@ -16,8 +16,8 @@ from fingerpad.loading.laws import shape_factors
 PAD = Pad(radius=15.0, modulus=0.05)
 
 
-def curve_of(name: str, seed: int = 1):
-    return make_curve(CONDITIONS[name], PAD, 0.3, np.random.default_rng(seed))
+def curve_of(name: str):
+    return make_curve(CONDITIONS[name], PAD, 0.3, np.random.default_rng(1))
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,9 @@ def test_a_wrong_model_is_named_and_its_intervals_hold_the_truth(name, explanati
     assert 0 < fit.misfit_std["loading_radius"] < fit.loading_radius.std
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("areas", [True, False])
-def test_thin_tissue_is_held_by_the_uncertainty(seed, areas) -> None:
-    curve, given = curve_of("layer of 2 mm on bone", seed), None
+def test_thin_tissue_is_held_by_the_uncertainty(areas) -> None:
+    curve, given = curve_of("layer of 2 mm on bone"), None
     if not areas:
         curve, given = replace(curve, area=None), Estimate.symmetric(15.0, 0.3)
     fit = fit_loading_curve(curve, loading_radius=given)
@@ -65,11 +64,10 @@ def test_a_modulus_is_not_stated_where_tissue_is_thinner_than_any() -> None:
         assert "--semi-axes-mm" in estimate.reason
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("name", ["Hertz, no baseline", "growing modulus, no baseline"])
-def test_without_a_baseline_the_zero_of_the_force_is_in_the_uncertainty(name, seed) -> None:
+def test_without_a_baseline_the_zero_of_the_force_is_in_the_uncertainty(name) -> None:
     pad = replace(PAD, slope=CONDITIONS[name].slope * PAD.modulus)
-    fit = fit_loading_curve(make_curve(CONDITIONS[name], pad, 0.3, np.random.default_rng(seed)))
+    fit = fit_loading_curve(make_curve(CONDITIONS[name], pad, 0.3, np.random.default_rng(1)))
     assert "no_baseline" in fit.flags
     assert fit.initial_modulus.lower < pad.modulus < fit.initial_modulus.upper
     assert abs(fit.initial_modulus.value / pad.modulus - 1) < 0.1
@@ -142,15 +140,6 @@ def test_a_layer_that_no_area_tells_from_a_growing_modulus_is_within_the_interva
     grows = without_areas("growing modulus, white noise")
     assert grows.initial_modulus.lower < PAD.modulus < grows.initial_modulus.upper
     assert grows.initial_modulus.upper < 1.2 * PAD.modulus
-
-
-@pytest.mark.nightly
-def test_a_stage_that_yields_a_little_is_within_the_interval_of_the_radius() -> None:
-    held = [
-        fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper
-        for fit in (fit_loading_curve(curve_of("stage yields 0.06 mm/N", seed)) for seed in range(4))
-    ]
-    assert sum(held) >= 3
 
 
 def test_a_zero_that_drifts_may_bend() -> None:

@@ -212,27 +212,6 @@ def test_manifest_text_escaped(tmp_path: Path) -> None:
     assert "No contact is given" in text
 
 
-@pytest.mark.parametrize(
-    ("value", "std", "text"),
-    [
-        (13.80484, 0.18442, "13.80 ± 0.18"),
-        (13.80484, 0.0996, "13.80 ± 0.10"),
-        (13.80484, 0.0994, "13.805 ± 0.099"),
-        (0.00123, 0.000456, "0.00123 ± 0.00046"),
-        (1234.5, 56.7, "1234 ± 57"),
-        (123456.0, 5678.0, "123500 ± 5700"),
-        (-0.5, 0.25, "-0.50 ± 0.25"),
-        (20.5, None, "20.5"),
-        (20.5, float("nan"), "20.5"),
-        (0.5, 0.0, "0.500"),
-        (None, None, "–"),
-        (float("nan"), 1.0, "–"),
-    ],
-)
-def test_two_digits_of_uncertainty(value: float | None, std: float | None, text: str) -> None:
-    assert value_with_uncertainty(value, std) == text
-
-
 def test_where_the_first_order_does_not_hold_the_difference_and_the_way_out_are_said(
     demo: tuple[StudyResult, str, Path],
 ) -> None:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.claims import repeatability
 from tests.studies import correct, finger, rows_of, study_of, summary_of, write_study
 
 from fingerpad.report.repeatability import repeatability_section
@@ -310,12 +309,3 @@ def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
     seen: list[str | None] = []
     run_study(path, out, on_progress=lambda now: seen.append(now.status))
     assert "done" not in seen
-
-
-@pytest.mark.nightly
-def test_coverage_of_means_at_each_load() -> None:
-    """On a few studies what `benchmarks.claims.repeatability` measures on many."""
-    found = [repeatability.mean_coverage(of, design, 10) for _, of, design in repeatability.MEANS[1::2]]
-    for name in ("area", "modulus"):
-        hits, count = np.sum([one[name] for one in found], axis=0)
-        assert hits / count > 0.88

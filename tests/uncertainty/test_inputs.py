@@ -1,7 +1,5 @@
 """Named inputs and outputs: values, correlations and covariances reach the names that they are given for."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -31,23 +29,6 @@ def test_covariance_in_order_of_names() -> None:
     assert_allclose(inputs.std, [2, 3, 5])
 
 
-@pytest.mark.parametrize(
-    ("quantities", "correlations", "message"),
-    [
-        ({}, None, "no inputs"),
-        ({"load": (2, -0.1)}, None, "standard uncertainty of load must be positive or zero, found -0.1"),
-        ({"load": (1, 2, 3)}, None, "load: give a number or .*; found a tuple of 3"),
-        ({"a": (1, 2)}, {("a", "b"): 0.5}, "no input 'b'; there are a"),
-        ({"a": (1, 2)}, {("a", "a"): 0.5}, "found a with itself"),
-        ({"a": (1, 2), "b": (1, 2)}, {("a", "b"): 1.5}, r"correlation of a and b must be within \[-1, 1\]"),
-        ({"a": (1, 2), "b": (1, 2)}, {("a", "b"): np.nan}, "correlation of a and b .* found nan"),
-    ],
-)
-def test_invalid_arguments(quantities: dict[str, Any], correlations: Any, message: str) -> None:
-    with pytest.raises(UncertaintyError, match=message):
-        Inputs.of(correlations=correlations, **quantities)
-
-
 def test_covariance_of_other_inputs_refused() -> None:
     with pytest.raises(UncertaintyError, match="covariance of 2 inputs must be square, found the shape"):
         Inputs.of(a=1.0, b=2.0).with_covariance(["a", "b"], np.eye(3))
@@ -61,6 +42,10 @@ def test_outputs_by_name() -> None:
     assert f"{triple:.1f}" == "3.0 ± 0.3"
     with pytest.raises(UncertaintyError, match="no output 'fourfold'; there are double, triple"):
         result["fourfold"]
+
+
+def correlated(other: str, correlation: float) -> Inputs:
+    return Inputs.of(a=(1, 2), b=(1, 2), correlations={("a", other): correlation})
 
 
 ONE = {"names": ("a",), "mean": [1.0], "covariance": [[1.0]], "groups": {}}
@@ -85,7 +70,13 @@ SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [
         ),
         (lambda: Inputs.of(wedge_angle=np.radians((30, 3))), "wedge_angle: .* found an array of 2"),
         (lambda: Inputs.of(load=np.array([[1, 2], [3, 4]])), "found an array of 2"),
-        (lambda: Inputs.of(load=(1, 2, 3)), "found a tuple of 3"),
+        (Inputs.of, "no inputs"),
+        (lambda: Inputs.of(load=(2, -0.1)), "uncertainty of load must be positive or zero, found -0.1"),
+        (lambda: Inputs.of(load=(1, 2, 3)), "load: give a number or .*; found a tuple of 3"),
+        (lambda: correlated("c", 0.5), "no input 'c'; there are a, b"),
+        (lambda: correlated("a", 0.5), "found a with itself"),
+        (lambda: correlated("b", 1.5), r"correlation of a and b must be within \[-1, 1\]"),
+        (lambda: correlated("b", np.nan), "correlation of a and b .* found nan"),
         (
             lambda: SharedErrors(**SCALE | {"parts": np.ones((3, 2))}),
             "parts of 1 sources must have the shape",
