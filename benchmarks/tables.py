@@ -30,10 +30,10 @@ def percent(value: float, sign: str = "") -> str:
     return f"{100 * value:{sign}.{digits}f} %"
 
 
-def share(held: npt.ArrayLike) -> str:
+def share(held: npt.ArrayLike, digits: int = 0) -> str:
     """Return how many of all are true, in per cent."""
     held = np.asarray(held, dtype=float)
-    return f"{100 * held.mean():.0f} %" if held.size else "–"
+    return f"{100 * held.mean():.{digits}f} %" if held.size else "–"
 
 
 def off(errors: npt.ArrayLike) -> str:

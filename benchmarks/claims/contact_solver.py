@@ -5,15 +5,14 @@ Tamaas is a dependency of the tests; ContactMechanics is timed where it is insta
 """
 
 import math
-import time
 from collections.abc import Callable
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 import tamaas
 
 from benchmarks.tables import table
+from benchmarks.timing import best
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
@@ -21,7 +20,6 @@ from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 _RADIUS, _MODULUS = 10.0, 0.1
 _HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
 _BALL = Paraboloid(_RADIUS, _RADIUS)
-T = TypeVar("T")
 
 _GRIDS = 64, 128, 256
 
@@ -76,12 +74,13 @@ def speed() -> None:
     runs: dict[str, list[tuple[float, float, float]]] = {}
     own = []
     for points in _GRIDS:
-        on_layer, solved_pad = _timed(partial(solve_contact, placement, layer, load=2.0, points=points))
-        search, _ = _timed(partial(_highest_shear, solved_pad))
-        own.append((f"{points}²", f"{on_layer:.2f} s", f"{search:.2f} s"))
+        solve = partial(solve_contact, placement, layer, load=2.0, points=points)
+        search = ContactField.of_solution(solve()).highest_shear_on_axis
+        own.append((f"{points}²", f"{best(solve, 3):.2f} s", f"{best(search, 3):.2f} s"))
         for name, solved in _solvers().items():
-            spent, (area, indentation) = _timed(partial(solved, points, radius, 0.5))
+            area, indentation = solved(points, radius, 0.5)
             errors = abs(area / exact[0] - 1), abs(indentation / exact[1] - 1)
+            spent = best(partial(solved, points, radius, 0.5), 3)
             runs.setdefault(name, []).append((spent, *errors))
     table(
         ("solver of a sphere's contact", *(f"{points}² cells" for points in _GRIDS), "to 0.5 %, to 0.1 %"),
@@ -91,13 +90,14 @@ def speed() -> None:
         ),
         "Seconds of one processor (relative error of area, of indentation)",
     )
-    table(("cells", "whole pad on a layer", "its highest shear"), own)
+    title = "Seconds for the whole pad on a layer, and for its highest shear"
+    table(("cells", "whole pad on a layer", "its highest shear"), own, title)
 
 
 def _reached(found: list[tuple[float, float, float]]) -> str:
     """Return the shortest times to an area within 0.5 % and within 0.1 %."""
-    best = [min((t for t, error, _ in found if error <= limit), default=None) for limit in (0.005, 0.001)]
-    return ", ".join("not reached" if t is None else f"{t:.2f} s" for t in best)
+    least = [min((t for t, error, _ in found if error <= limit), default=None) for limit in (0.005, 0.001)]
+    return ", ".join("not reached" if t is None else f"{t:.2f} s" for t in least)
 
 
 def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
@@ -116,10 +116,6 @@ def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
     found = solve_gap(_BALL.gap.height, _HALF_SPACE, half_widths=(radius, radius), load=load, points=points)
     return float(found.area), float(found.indentation)
-
-
-def _highest_shear(contact: SolvedContact) -> tuple[float, float]:
-    return ContactField.of_solution(contact).highest_shear_on_axis()
 
 
 def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[float, float]:
@@ -141,16 +137,6 @@ def _window(points: int, radius: float) -> tuple[float, FloatArray]:
     width = 2.2 * radius
     along = (np.arange(points) + 0.5) * width / points - width / 2
     return width, _BALL.gap.height(along[:, None], along)
-
-
-def _timed(call: Callable[[], T]) -> tuple[float, T]:
-    call()
-    times = []
-    for _ in range(3):
-        start = time.process_time()  # it hardly counts what else the machine does
-        result = call()
-        times.append(time.process_time() - start)
-    return min(times), result
 
 
 def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:

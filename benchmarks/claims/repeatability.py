@@ -5,13 +5,14 @@ repeats of a session each add an independent normal deviation to the logarithm o
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from benchmarks.simulated import contact, finger, study_of
-from benchmarks.tables import table
+from benchmarks.tables import share, table
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Observation
@@ -21,6 +22,8 @@ from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.uncertainty import nested_scatter, pad_model
 
+# Whether each interval of a kind held the truth.
+Held = dict[str, list[bool]]
 # One number of repeats per session, the sessions of each finger, the fingers of each person.
 Design = tuple[tuple[tuple[int, ...], ...], ...]
 
@@ -67,47 +70,35 @@ def draw_study(population: Population, design: Design, rng: np.random.Generator)
     return Draws(*np.array(rows).T)
 
 
-def component_coverage(
-    population: Population, design: Design, studies: int, seed: int = 0
-) -> dict[str, tuple[int, int]]:
-    """Return in how many studies each interval contains the truth, and in how many there is one."""
+def component_coverage(population: Population, design: Design, studies: int, seed: int = 0) -> Held:
+    """Return whether each interval of a study holds the truth, where there is one."""
     rng = np.random.default_rng([seed, 11])
     true = population._asdict()
     between = population.person**2 + population.finger**2
     icc = between / (between + population.session**2 + population.repeat**2)
-    held: dict[str, tuple[int, int]] = {}
-
-    def add(name: str, interval: tuple[float, float], truth: float) -> None:
-        hits, count = held.get(name, (0, 0))
-        held[name] = hits + (interval[0] <= truth <= interval[1]), count + 1
-
+    held: Held = defaultdict(list)
     for _ in range(studies):
         drawn = draw_study(population, design, rng)
         levels = {"person": drawn.person, "finger": drawn.finger, "session": drawn.session}
         found = nested_scatter(drawn.log_value, levels, between=("person", "finger"))
         for level, one in found.components.items():
             if one.known:
-                add(
-                    level,
-                    one.interval,
-                    float(np.hypot.reduce([true[each] for each in (level, *one.includes)])),
-                )
+                truth = np.hypot.reduce([true[each] for each in (level, *one.includes)])
+                held[level].append(one.interval[0] <= truth <= one.interval[1])
         # Sessions that cannot be separated from fingers are part of what lies between these.
         if np.isfinite(found.icc) and (population.session == 0 or found.components["session"].known):
-            add("icc", found.icc_interval, icc)
+            held["icc"].append(found.icc_interval[0] <= icc <= found.icc_interval[1])
     return held
 
 
-def mean_coverage(
-    population: Population, design: Design, studies: int, seed: int = 0
-) -> dict[str, tuple[int, int]]:
+def mean_coverage(population: Population, design: Design, studies: int, seed: int = 0) -> Held:
     """Return the same of area and modulus at each load, from measured ellipses to the pooled means.
 
     The logarithm that is drawn is that of the contact radius √(ℓd ℓe); the elongation scatters from repeat to
     repeat as much. Semi-axes have noise of `NOISE`, as stated.
     """
     rng = np.random.default_rng([seed, 12])
-    held = {"area": (0, 0), "modulus": (0, 0)}
+    held: Held = defaultdict(list)
     fingers = [f"p{person}" for person, of in enumerate(design) for _ in of]
     persons = {f"f{number}": person for number, person in enumerate(fingers)}
     study = study_of(persons, PAD)
@@ -127,8 +118,7 @@ def mean_coverage(
         rows = model_contacts(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
             for name, one, truth in _pairs(at, truths[at.finger, at.load]):
-                hits, count = held[name]
-                held[name] = hits + (one.interval[0] <= truth <= one.interval[1]), count + 1
+                held[name].append(one.interval[0] <= truth <= one.interval[1])
     return held
 
 
@@ -217,15 +207,10 @@ def report(studies: int = 1000, chains: int = 150) -> None:
     )
 
 
-def _print_table(
-    title: str, names: tuple[str, ...], rows: list[tuple[str, dict[str, tuple[int, int]]]]
-) -> None:
-    pooled = {name: [found[name] for _, found in rows if name in found] for name in names}
-    whole = {name: (sum(a for a, _ in some), sum(b for _, b in some)) for name, some in pooled.items()}
-
-    def cells(found: dict[str, tuple[int, int]]) -> Iterator[str]:
-        for name in names:
-            hits, count = found.get(name, (0, 0))
-            yield f"{100 * hits / count:.1f} %" if count else "–"
-
-    table(("design", *names), ((of, *cells(found)) for of, found in (*rows, ("in all", whole))), title)
+def _print_table(title: str, names: tuple[str, ...], rows: list[tuple[str, Held]]) -> None:
+    whole = {name: [one for _, found in rows for one in found[name]] for name in names}
+    table(
+        ("design", *names),
+        ((of, *(share(found[name], 1) for name in names)) for of, found in (*rows, ("in all", whole))),
+        title,
+    )

@@ -83,27 +83,23 @@ def _contacts(
 
 
 def study_coverage(repeats: int, first_seed: int) -> dict[str, tuple[float, float]]:
-    """Print and return coverage and bias (in stated uncertainties) of radii and modulus."""
-    scores = [simulated_study(first_seed + k) for k in range(repeats)]
-    found = {}
-    for name in ("corrected", "modulus", "pooled"):
-        off = np.array([getattr(one, name) for one in scores])
-        found[name] = float(np.mean(np.abs(off) < 1.96)), float(off.mean())
-    found["random"] = float(np.mean([one.random for one in scores])), 0.0
-    words = {
-        "corrected": "corrected radius of one contact",
-        "modulus": "E* of one contact",
-        "pooled": "pooled radius, inverse variance",
-        "random": "pooled radius, random effects",
+    """Return coverage and bias (in stated uncertainties) of radii and modulus."""
+    *scores, random = np.array([simulated_study(first_seed + k) for k in range(repeats)], dtype=float).T
+    words = "corrected radius of one contact", "E* of one contact", "pooled radius, inverse variance"
+    found = {
+        name: (float(np.mean(np.abs(off) < 1.96)), off.mean())
+        for name, off in zip(words, scores, strict=True)
     }
-    table(
-        ("quantity", "held by the 95 % interval", "bias, in stated uncertainties"),
-        ((words[name], f"{100 * held:.1f} %", f"{bias:+.2f}") for name, (held, bias) in found.items()),
-        f"{repeats:,} simulated studies of one pad under five loads",
-    )
-    return found
+    return found | {"pooled radius, random effects": (random.mean(), 0.0)}
 
 
 def report(repeats: int = 400, first_seed: int = 0) -> None:
     """Print coverage and bias."""
-    study_coverage(repeats, first_seed)
+    table(
+        ("quantity", "held by the 95 % interval", "bias, in stated uncertainties"),
+        (
+            (name, f"{100 * held:.1f} %", f"{bias:+.2f}")
+            for name, (held, bias) in study_coverage(repeats, first_seed).items()
+        ),
+        f"{repeats:,} simulated studies of one pad under five loads",
+    )
