@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from PIL import Image
 from tests.command import run, run_json
@@ -521,8 +522,30 @@ def test_init_from_files(tmp_path: Path) -> None:
     assert "IMG_0033.png: contact image" in out
     assert "observation IMG_0033: the load is missing" in out
     assert "Not taken" not in out
-    for wrong in (("--finger", "x"), ("--from-files", "--example")):
+    for wrong in (("--finger", "x"), ("--scale", "500 ppi"), ("--from-files", "--example")):
         assert run("init", *wrong, tmp_path / "other")[0] == 2
+
+
+def test_two_commands_from_prints_to_area_against_load(tmp_path: Path) -> None:
+    run("init", "--example", tmp_path / "example")
+    files = tmp_path / "prints"
+    files.mkdir()
+    for load, written in (("0.5", "0,5"), ("1", "1"), ("2", "2")):
+        Image.open(tmp_path / "example" / f"contact_{load}N.png").save(files / f"LI_30deg_{written}N.png")
+    begin = ("init", "--from-files", "--finger", "left_index", files)
+    code, _, err = run(*begin, "--scale", "fine")
+    assert (code, (files / "study.toml").exists()) == (2, False)
+    assert "write it as 500 ppi or 0.05 mm/px" in err
+    code, out, _ = run(*begin, "--scale", "500 ppi")
+    assert code == 0
+    assert "Run it: " in out
+    code, out, _ = run("run", files)
+    assert code == 0
+    assert re.search(r"^left_index, 30°: contact area 116\.\d ± \d\.\d mm² under 2 N; no modulus", out, re.M)
+    by_load = pd.read_csv(files / "results" / "by_load.csv")
+    assert list(by_load["load_N"]) == [0.5, 1.0, 2.0]
+    # Of elliptical Hertz theory for the pad and the tissue that the example was rendered with.
+    assert np.all(np.abs(by_load["contact_area_mm2"] / [46.39, 73.64, 116.9] - 1) < 0.03)
 
 
 def test_results_beside_manifest(tmp_path: Path) -> None:

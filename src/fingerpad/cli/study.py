@@ -36,16 +36,25 @@ def init(
     finger: Annotated[
         str, Option(help="With --from-files, the finger of files that name none.", show_default=False)
     ] = "",
+    scale: Annotated[
+        str,
+        Option(
+            help="With --from-files, the scale of contact images that state none, as '500 ppi' or "
+            "'0.05 mm/px'.",
+            show_default=False,
+        ),
+    ] = "",
 ) -> None:
     """Write a commented study manifest to start from, an example study, or the study of a folder's files."""
     from fingerpad.study.editing.template import write_example, write_template
 
-    if finger and not from_files:
-        raise ManifestError("--finger is that of files: give --from-files with it")
+    for flag, value in (("--finger", finger), ("--scale", scale)):
+        if value and not from_files:
+            raise ManifestError(f"{flag} is that of files: give --from-files with it")
     if from_files and example:
         raise ManifestError("--example and --from-files write different studies: give one of them")
     if from_files:
-        _begin(folder, finger)
+        _begin(folder, finger, scale)
     elif example:
         typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
     else:
@@ -56,12 +65,12 @@ def init(
         )
 
 
-def _begin(folder: Path, finger: str) -> None:
+def _begin(folder: Path, finger: str, scale: str) -> None:
     """Write the manifest of the files in a folder, and say what is taken, guessed and not known."""
     from fingerpad.study.from_files import start_study
     from fingerpad.study.manifest.load import STUDY_NAME
 
-    found, manifest = start_study(folder, finger=finger), folder / STUDY_NAME
+    found, manifest = start_study(folder, finger=finger, scale=scale), folder / STUDY_NAME
     lacking = [": ".join(filter(None, (f"{one.kind} {one.key}".strip(), one.words))) for one in found.missing]
     for title, lines in {
         "Taken": [f"{file}: {words}" for file, words in found.taken.items()],
@@ -71,7 +80,7 @@ def _begin(folder: Path, finger: str) -> None:
     }.items():
         if lines:
             typer.echo("\n  ".join([f"{title}:", *lines]))
-    rest = "Enter what is missing, then: " if lacking else "Run it: "
+    rest = "Enter what is missing, then: " if found.loaded.issues else "Run it: "
     typer.echo(f"Wrote {manifest}. {rest}fingerpad run {manifest}")
 
 

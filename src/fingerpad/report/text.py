@@ -34,7 +34,7 @@ from fingerpad.study.results.validity.model_checks import (
 )
 
 # They differ in shades of grey too.
-VERDICT_SYMBOLS: Final[Mapping[str, str]] = {HOLDS: "●", STRAINED: "◐", FAILS: "○", NOT_TESTED: "–"}
+VERDICT_SYMBOLS: Final[Mapping[str, str]] = {HOLDS: "✓", STRAINED: "◐", FAILS: "✕", NOT_TESTED: "–"}
 
 # Name, unit and symbol of what has a verdict.
 HEADLINE_WORDS: Final[Mapping[str, str]] = {

@@ -17,6 +17,7 @@ from fingerpad.study.editing.propose import (
     proposed_edits,
     stated_values,
     with_guess,
+    written_scale,
 )
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import LoadedStudy
@@ -38,11 +39,13 @@ class StartedStudy:
     missing: tuple[Missing, ...]
 
 
-def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
+def start_study(folder: Path, *, finger: str = "", scale: str = "") -> StartedStudy:
     """Start a study from the files that lie in a folder; what nothing states is left out.
 
-    What a spreadsheet states of files holds before their names; `finger` is that of files that state none.
+    What a spreadsheet states of files holds before their names; `finger` is that of files that state none,
+    `scale` that of contact images and sequences that state none, as ``500 ppi`` or ``0.05 mm/px``.
     """
+    scale = scale and written_scale(scale, ())
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")
     title = folder.resolve().name
@@ -62,6 +65,8 @@ def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
         own = new if new.finger or new.use not in TAKES else replace(new, finger=finger)
         if own.use == "photograph" and not own.scale and len(coins) == 1:
             own = replace(own, scale=COIN + coins[0])
+        if own.use in {"observation", "sequence"} and not own.scale:
+            own = replace(own, scale=scale)
         found[file] = own, guess
     proposal = proposed_edits(empty, [new for new, _ in found.values()])
     if proposal.waiting and not any(edit.kind == "finger" for edit in proposal.edits):

@@ -104,7 +104,7 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     first = cards.first.inner_text().replace("\N{NO-BREAK SPACE}", " ")
     assert "13.8 ± 4.6 mm" in first
     assert "20.5 mm" in first
-    assert "○ fails" in first
+    assert "✕ fails" in first
     expect(cards.first.locator(".shapelayer path")).to_have_count(2)
     expect(cards.first.locator(".errorbar")).to_have_count(1)
     page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
