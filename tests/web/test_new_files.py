@@ -60,7 +60,7 @@ def test_pattern(client) -> None:
     upload(client, "S1_LI_30deg_500mN.png", png())
     files = ["uploads/S1_LI_30deg_500mN.png", "uploads/x.png"]
     body = {"pattern": "S{person}_{finger}_{wedge}deg_{load}mN", "files": [{"file": file} for file in files]}
-    fit, other = client.tell("files/pattern", **body)["files"]
+    fit, other = client.tell("files/pattern", **body)
     assert (fit["values"]["finger"], fit["values"]["load_N"], fit["problem"]) == ("1_left_index", 0.5, "")
     assert other["problem"] == "does not fit the pattern"
 

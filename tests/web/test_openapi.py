@@ -24,7 +24,7 @@ KNOWN = {(method.upper(), path) for path, methods in DOCUMENT["paths"].items() f
 # The nightly profile draws more, and others each time.
 EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 2
 PATIENCE_S = 120  # test machines may be slow
-# Names of Plotly, of files, and an example.
+# Names of Plotly, of files, of study.toml, and an example.
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y"} | {
     "by_load",
     "contact_load_N",
@@ -32,6 +32,8 @@ OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y"} | {
     "left_index",
     "on_layer",
     "results_columns",
+    "loading_radius_mm_std",
+    "semi_axes_mm_std",
 }
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
@@ -128,7 +130,8 @@ def test_every_answer_in_json_has_a_model():
         for method, described in methods.items():
             success = next(answer for status, answer in described["responses"].items() if status != "4XX")
             if (content := success.get("content", {}).get("application/json")) is not None:
-                name = content["schema"]["$ref"].rpartition("/")[2]
+                of = content["schema"].get("items", content["schema"])
+                name = of["$ref"].rpartition("/")[2]
                 assert DOCUMENT["components"]["schemas"][name]["properties"], (method, path)
 
 

@@ -15,8 +15,8 @@ PATH = "/api/studies/demo/results/simulator"
 
 @pytest.fixture(scope="module")
 def place(done):
-    group = done.ask("results/budget")["groups"][0]
-    return {name: group[name] for name in ("finger", "wedge_angle_deg")}
+    group = done.ask("results/budget")[0]
+    return {"finger": group["finger"], "wedge_angle_deg": group["wedge_angle_deg"]["value"]}
 
 
 def test_numbers_of_a_finger(done, place):

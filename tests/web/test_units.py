@@ -5,11 +5,12 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fingerpad.study.results.table import COLUMNS, GLOSSARY
 from fingerpad.web.answers import UNITS as WRITTEN
-from fingerpad.web.answers import Quantities
+from fingerpad.web.answers import Answer, Quantity, SemiAxes
 from fingerpad.web.api.results import _label
 
 CONTACT = "synthetic_30deg_2N"
@@ -63,7 +64,7 @@ def numbers(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str,
 
 def unit_of(key: str) -> str | None:
     """The unit that a key ends with; `_std` and its kin are in that of their quantity."""
-    stem = re.sub(r"(_noise|_edge|_fixed_geometry|_repeatability|_model|_total)?_std$", "", key)
+    stem = re.sub(r"(_noise|_edge|_fixed_geometry|_repeatability|_model|_total)?(_std)?$", "", key)
     return next((unit for ending, unit in UNITS.items() if stem.endswith(ending)), None)
 
 
@@ -93,7 +94,10 @@ def test_every_number_has_the_unit_of_its_column(done):
     """By the key itself or by one that holds it, as semi_axes_mm; nothing is left without."""
     nameless = set()
     for source, answer in answers(done):
-        for path, _ in numbers(answer):
+        for found, _ in numbers(answer):
+            # A quantity is in the unit of its key.
+            is_quantity = found[-1] in {"value", "std"} and found[-2] != "check"
+            path = found[:-1] if is_quantity else found
             key = path[-1]
             units = [unit for each in reversed(path) if (unit := unit_of(each)) is not None]
             if key in COLUMNS and COLUMNS[key].unit == "1":
@@ -110,21 +114,27 @@ def test_every_number_has_the_unit_of_its_column(done):
 def test_numbers_are_those_of_the_tables(done):
     """A quantity that has a column is the column's value, in its unit."""
     rows = {row["item"]: row for row in done.ask("results/rows", limit=2000)["rows"]}
-    for group in done.ask("results/plot")["groups"]:
-        shown = group["rows"]
-        for place, item in enumerate(shown["item"]):
-            row, point = rows[item], {key: shown[key][place] for key in shown if key != "item"}
+    for group in done.ask("results/plot"):
+        for place, item in enumerate(group["items"]):
+            row, point = rows[item], {key: shown[place] for key, shown in group["points"].items()}
+            on_given_pad = point.pop("radius_from_indentation_mm_fixed_geometry")
+            assert on_given_pad["value"] == point["radius_from_indentation_mm"]["value"]
             if row["gross_area_mm2"] is None:  # no image was measured: that of the ellipse is plotted
-                area, std = (point.pop(key) for key in ("gross_area_mm2", "gross_area_mm2_std"))
-                assert area == pytest.approx(math.pi * row["semi_major_mm"] * row["semi_minor_mm"])
-                assert 0 < std < 0.05 * area
-            assert point == {key: row[key] for key in point}
+                area, axes = point.pop("gross_area_mm2"), (row["semi_major_mm"], row["semi_minor_mm"])
+                assert area["value"] == pytest.approx(math.pi * axes[0]["value"] * axes[1]["value"])
+                assert 0 < area["std"] < 0.05 * area["value"]
+            assert group["load_N"][place] == row["load_N"]["value"]
+            for key, quantity in point.items():
+                stated = row[key] or {"value": None, "std": None}
+                assert (quantity["value"], quantity["std"]) == (stated["value"], stated["std"]), key
     model = done.tell("measure/contact", item=CONTACT)
     found = {**model["numbers"], **model["model"]}
-    shared = [key for key in found if key in COLUMNS and isinstance(found[key], float)]
-    assert len(shared) > 20
+    shared = [key for key in found if key in COLUMNS and found[key] and rows[CONTACT][key]]
+    assert len(shared) > 10
     for key in shared:
-        assert found[key] == pytest.approx(rows[CONTACT][key], rel=1e-3, abs=1e-6), key
+        for part in ("value", "std"):
+            stated = rows[CONTACT][key][part]
+            assert found[key][part] == (stated and pytest.approx(stated, rel=1e-3, abs=1e-6)), key
 
 
 def test_words_have_those_units():
@@ -142,18 +152,13 @@ def test_words_have_those_units():
 def test_quantities_in_words():
     """Rounded by the standard uncertainty, by that with the model's part where there is one."""
 
-    class Some(Quantities):
-        gross_area_mm2: float
-        gross_area_mm2_std: float | None
-        youngs_modulus_kpa: float
-        youngs_modulus_kpa_std: float
-        youngs_modulus_kpa_total_std: float
-        wedge_angle_deg: float
-        ellipse_iou: float | None
-        semi_axes_mm: dict[str, float]
-        semi_axes_mm_std: dict[str, float]
+    class Some(Answer):
+        gross_area_mm2: Quantity
+        youngs_modulus_kpa: Quantity
+        wedge_angle_deg: Quantity
+        ellipse_iou: Quantity
 
-    some = Some(
+    some = Some.of(
         gross_area_mm2=1234.5,
         gross_area_mm2_std=56.7,
         youngs_modulus_kpa=39.3,
@@ -161,15 +166,16 @@ def test_quantities_in_words():
         youngs_modulus_kpa_total_std=94.0,
         wedge_angle_deg=30,
         ellipse_iou=None,
-        semi_axes_mm={"palmar": 7.9},
-        semi_axes_mm_std={"palmar": 0.0996},
     )
-    assert {key: words.replace("\u00a0", " ") for key, words in some.words.items()} == {
+    assert some.youngs_modulus_kpa.std == 94.0
+    assert {key: quantity.words.replace("\u00a0", " ") for key, quantity in some} == {
         "gross_area_mm2": "1234 ± 57 mm²",
         "youngs_modulus_kpa": "39 ×/÷ 3.4 kPa",
         "wedge_angle_deg": "30°",
-        "semi_axes_mm.palmar": "7.90 ± 0.10 mm",
+        "ellipse_iou": "–",
     }
+    axes = SemiAxes.of_three(np.array([7.9, 13.8, 11.8]), np.array([0.0996, 0.2, 0.3]))
+    assert axes.palmar.words.replace("\u00a0", " ") == "7.90 ± 0.10 mm"
 
 
 def test_symbols_are_those_of_their_columns():

@@ -5,10 +5,11 @@ a picture are pairs (row, column) in pixels.
 """
 
 import json
-from collections.abc import Mapping
-from typing import Any, ClassVar, Final, Literal, Self, TypeAlias
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, computed_field
+from pydantic import BaseModel, ConfigDict
 
 from fingerpad._arrays import FloatArray
 from fingerpad._json import dumps
@@ -32,21 +33,33 @@ class Answer(BaseModel):
     def of(cls, source: object = None, /, **content: Any) -> Self:
         """Return an answer of some content, and for the rest of a source's attributes or keys of these names.
 
-        Arrays become lists, and NaN becomes null.
+        A quantity is made of its number and what is known of its uncertainty. Arrays become lists, and NaN
+        becomes null.
         """
-        rest = cls.model_fields.keys() - content.keys() if source is not None else ()
-        if isinstance(source, Mapping):
-            found = {name: source.get(name) for name in rest} | content
-        else:
-            found = {name: getattr(source, name) for name in rest} | content
+
+        def known(name: str) -> Any:
+            if name in content or source is None:
+                return content.get(name)
+            if isinstance(source, Mapping):
+                return source.get(name)
+            return getattr(source, name) if name in cls.model_fields else getattr(source, name, None)
+
+        found = content if source is None else content | {name: known(name) for name in cls.model_fields}
+        for name, field in cls.model_fields.items():
+            if field.annotation is Quantity and not isinstance(found.get(name), Quantity):
+                found[name] = Quantity.read(known, name)
+                for std in (f"{name}_std", f"{name}_total_std"):
+                    found.pop(std, None)
         checked = {name: found.pop(name) for name in list(found) if _is_checked(found[name])}
         # A file's name may hold bytes that are not text.
         return cls.model_validate(json.loads(dumps(found).encode(errors="replace")) | checked)
 
 
 def _is_checked(value: object) -> bool:
-    """Tell whether something is an answer itself, or a list of them."""
-    return isinstance(value[0] if isinstance(value, list) and value else value, Answer)
+    """Tell whether something is an answer itself, or a list or table of them."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    return _is_checked(value[0]) if isinstance(value, list) and value else isinstance(value, Answer)
 
 
 # Units by the ending of a key.
@@ -74,37 +87,32 @@ def unit_of(key: str) -> str:
     return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "")
 
 
-def quantity_words(values: Mapping[str, Any], key: str, unit: str | None = None) -> str:
-    """Return a quantity with its standard uncertainty, in which the model's part is where it has one."""
-    total = values.get(f"{key}_total_std")
-    if total is not None:
-        words = positive_with_uncertainty(values[key], total)
-    else:
-        words = value_with_uncertainty(values[key], values.get(f"{key}_std"))
-    return with_unit(words.replace(" ", "\u00a0"), unit_of(key) if unit is None else unit)
+class Quantity(Answer):
+    """A number, its standard uncertainty with what the model leaves uncertain, and both in words.
+
+    The words are rounded by the uncertainty, with the unit unless a header has it; a dash where there is no
+    number.
+    """
+
+    value: float | None
+    std: float | None
+    words: str
+
+    @classmethod
+    def read(cls, known: Callable[[str], Any], key: str, unit: str | None = None) -> Self:
+        """Return what is known under a key, and of its uncertainty under the keys that begin with it."""
+        value, total = _finite(known(key)), _finite(known(f"{key}_total_std"))
+        std = total if total is not None else _finite(known(f"{key}_std"))
+        rounded = value_with_uncertainty if total is None else positive_with_uncertainty
+        words = rounded(value, std).replace(" ", "\u00a0")
+        if value is not None:
+            words = with_unit(words, unit_of(key) if unit is None else unit)
+        return cls(value=value, std=std, words=words)
 
 
-class Quantities(Answer):
-    """Numbers, and each in words: rounded by its uncertainty, with its unit unless a header has it."""
-
-    has_units: ClassVar[bool] = True
-
-    @computed_field  # type: ignore[prop-decorator]
-    @property
-    def words(self) -> dict[str, str]:
-        """Return the numbers in words, by their keys; those of axes as ``semi_axes_mm.palmar``."""
-        values, found = dict(self), {}
-        for key, value in values.items():
-            if key.endswith("_std"):
-                continue
-            if isinstance(value, float) or (value is None and f"{key}_std" in values):
-                found[key] = quantity_words(values, key, None if self.has_units else "")
-            elif key.endswith("_mm") and isinstance(value, BaseModel | dict):
-                stds = dict(values.get(f"{key}_std") or {})
-                for axis, length in dict(value).items():
-                    words = value_with_uncertainty(length, stds.get(axis)).replace(" ", "\u00a0")
-                    found[f"{key}.{axis}"] = f"{words} mm" if self.has_units else words
-        return found
+def _finite(value: Any) -> float | None:
+    """Return a number, None where there is none."""
+    return float(value) if isinstance(value, float | int) and math.isfinite(value) else None
 
 
 class Fault(BaseModel):
@@ -134,13 +142,16 @@ class PoolingCorrectionRecord(Answer):
 
 
 class SemiAxes(Answer):
-    """Semi-axes of a pad, or their standard uncertainties, mm."""
+    """Semi-axes of a pad."""
 
-    palmar: float
-    distal: float
-    radial_ulnar: float
+    palmar: Quantity
+    distal: Quantity
+    radial_ulnar: Quantity
 
     @classmethod
-    def of_three(cls, lengths: FloatArray) -> Self:
-        """Return semi-axes in the order of an array."""
-        return cls(**dict(zip(cls.model_fields, lengths.tolist(), strict=True)))
+    def of_three(cls, lengths: FloatArray, stds: FloatArray | None = None, unit: str = "mm") -> Self:
+        """Return semi-axes and their standard uncertainties (mm), both in the order of an array."""
+        values = dict(zip(cls.model_fields, lengths.tolist(), strict=True))
+        if stds is not None:
+            values |= zip((f"{axis}_std" for axis in cls.model_fields), stds.tolist(), strict=True)
+        return cls(**{axis: Quantity.read(values.get, axis, unit) for axis in cls.model_fields})

@@ -42,7 +42,7 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.results.validity.model_checks import HEADLINES
-from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantities
+from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity
 from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
@@ -61,20 +61,16 @@ _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
 _SAMPLED_FRAMES: Final = 200
 
 
-class ContactNumbers(Quantities):
+class ContactNumbers(Answer):
     """The numbers measured in a contact image."""
 
-    semi_major_mm: float
-    semi_major_mm_std: float | None
-    semi_minor_mm: float
-    semi_minor_mm_std: float | None
-    orientation_deg: float
-    gross_area_mm2: float
-    gross_area_mm2_std: float | None
-    ridge_area_mm2: float | None
-    ridge_area_mm2_std: float | None
-    ridge_period_mm: float | None
-    ellipse_iou: float | None
+    semi_major_mm: Quantity
+    semi_minor_mm: Quantity
+    orientation_deg: Quantity
+    gross_area_mm2: Quantity
+    ridge_area_mm2: Quantity
+    ridge_period_mm: Quantity
+    ellipse_iou: Quantity
 
 
 class AutomaticContact(ContactNumbers):
@@ -106,32 +102,23 @@ class ContactSettings(Answer):
     threshold: float | None
 
 
-class ContactModel(Quantities):
+class ContactModel(Answer):
     """What the contact model gives for a contact: keys as in ``results.csv``.
 
-    Of the last run are `verdicts`, by key, and the model's part of a ``_total_std``.
+    Of the last run are `verdicts`, by key, and what the model leaves uncertain.
     """
 
-    load_N: float  # noqa: N815
-    u_deg: float | None
-    mean_curvature_radius_mm: float | None
-    mean_curvature_radius_mm_std: float | None
-    radius_from_indentation_mm: float | None
-    radius_from_indentation_mm_total_std: float | None
-    radius_from_compliance_mm: float | None
-    radius_from_compliance_mm_std: float | None
-    indentation_mm: float | None
-    indentation_mm_total_std: float | None
-    youngs_modulus_kpa: float | None
-    youngs_modulus_kpa_total_std: float | None
-    effective_thickness_mm: float | None
-    effective_thickness_mm_std: float | None
-    youngs_modulus_on_layer_kpa: float | None
-    youngs_modulus_on_layer_kpa_std: float | None
-    indentation_on_layer_mm: float | None
-    indentation_on_layer_mm_std: float | None
-    loading_radius_on_layer_mm: float | None
-    loading_radius_on_layer_mm_std: float | None
+    load_N: Quantity  # noqa: N815
+    u_deg: Quantity
+    mean_curvature_radius_mm: Quantity
+    radius_from_indentation_mm: Quantity
+    radius_from_compliance_mm: Quantity
+    indentation_mm: Quantity
+    youngs_modulus_kpa: Quantity
+    effective_thickness_mm: Quantity
+    youngs_modulus_on_layer_kpa: Quantity
+    indentation_on_layer_mm: Quantity
+    loading_radius_on_layer_mm: Quantity
     layer_flag: str | None
     range_notes: list[str]
     verdicts: dict[str, str]
@@ -162,7 +149,6 @@ class ContactMeasurement(Answer):
     flags: list[str]
     pooling: ContactPooling | None
     mm_per_px: float
-    mm_per_px_std: float
     milliseconds: float
 
 
@@ -177,7 +163,7 @@ class ContactLevels(Answer):
 # What the page shows of a contact's row, and what that is made of.
 _MODEL_COLUMNS: Final = COLUMNS.keys() & {
     *(*PLACEMENT, *HEADLINES, *ContactModel.model_fields),
-    *(f"{name}_std" for name in HEADLINES),
+    *(f"{name}_std" for name in (*HEADLINES, *ContactModel.model_fields)),
 }
 
 
@@ -201,13 +187,13 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     waits = params.soon and image.complete and known_finger(opened, image.contact.finger) is None
     model = image.model(measured) if image.complete and not waits else None
     own, error = image.automatic() if change.edits else (seen, None)
-    automatic = None if own is None else {**_numbers(own), "outline_px": own.outline.round(2)}
+    automatic = own and AutomaticContact.of(own.as_record(), outline_px=own.outline.round(2))
     return ContactMeasurement.of(
         item=image.item,
         by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
         outline_px=seen.outline.round(2),
         **_drawn(seen, image.found),
-        numbers=_numbers(seen),
+        numbers=ContactNumbers.of(seen.as_record()),
         automatic=automatic,
         automatic_error=error,
         model=model,
@@ -216,7 +202,6 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
         flags=[*doubts_of(seen), *image.found.flags],
         pooling=model and image.pooling(measured, model),
         mm_per_px=image.found.scale.mm_per_px,
-        mm_per_px_std=image.found.scale.mm_per_px_std,
         milliseconds=1000 * (time.perf_counter() - began),
     )
 
@@ -370,11 +355,6 @@ class _Image:
             excluding_flags=sorted(excluding),
             correction=pooling_correction(active),
         )
-
-
-def _numbers(contact_image: ContactImageResult) -> dict[str, Any]:
-    record = contact_image.as_record()
-    return {name: record[name] for name in ContactNumbers.model_fields}
 
 
 def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:

@@ -59,12 +59,6 @@ class FigureDetails(Answer):
     axes: list[FigureAxis]
 
 
-class Figures(Answer):
-    """The figures of the report."""
-
-    figures: list[FigureEntry]
-
-
 class FigureParams(Params):
     """A figure, by its name."""
 
@@ -90,7 +84,7 @@ class FigureFileParams(FigureParams):
 
 
 @router.get("/results/figures")
-def figures(opened: Opened) -> Figures:
+def figures(opened: Opened) -> list[FigureEntry]:
     """Return the report's figures with their captions."""
     require_results(opened)
     names = result_files(opened.out)
@@ -107,9 +101,7 @@ def figures(opened: Opened) -> Figures:
             settable=f"figures/{name}.json" in files,
         )
 
-    return Figures(
-        figures=[entry(one) for one in names if one.startswith("figures/") and one.endswith(".svg")]
-    )
+    return [entry(one) for one in names if one.startswith("figures/") and one.endswith(".svg")]
 
 
 def _caption(drawing: Path) -> str:

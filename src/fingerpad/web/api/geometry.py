@@ -10,7 +10,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web.answers import Answer, Point3D, Quantities, SemiAxes
+from fingerpad.web.answers import Answer, Point3D, Quantity, SemiAxes
 from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
@@ -42,22 +42,16 @@ class SurfacePoint(Answer):
     point_mm: Point3D
 
 
-class PadGeometry(Quantities):
+class PadGeometry(Answer):
     """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw."""
 
     semi_axes_mm: SemiAxes
-    semi_axes_mm_std: SemiAxes | None
-    u_deg: float
-    u_deg_std: float | None
-    v_deg: float
-    in_plane_radius_mm: float | None
-    in_plane_radius_mm_std: float | None
-    transverse_radius_mm: float | None
-    transverse_radius_mm_std: float | None
-    mean_curvature_radius_mm: float | None
-    mean_curvature_radius_mm_std: float | None
-    geometric_mean_radius_mm: float | None
-    geometric_mean_radius_mm_std: float | None
+    u_deg: Quantity
+    v_deg: Quantity
+    in_plane_radius_mm: Quantity
+    transverse_radius_mm: Quantity
+    mean_curvature_radius_mm: Quantity
+    geometric_mean_radius_mm: Quantity
     contact_point_mm: Point3D
     normal: Point3D
     principal_directions: tuple[Point3D, Point3D]
@@ -104,8 +98,7 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
     return PadGeometry.of(
-        semi_axes_mm=SemiAxes.of_three(axes),
-        semi_axes_mm_std=None if covariance is None else SemiAxes.of_three(np.sqrt(covariance.diagonal())),
+        semi_axes_mm=SemiAxes.of_three(axes, None if covariance is None else np.sqrt(covariance.diagonal())),
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
         v_deg=np.degrees(placement.v),
         contact_point_mm=placement.point,

@@ -135,23 +135,14 @@ class PatternParams(Params):
     files: NewFiles
 
 
-class PatternMatches(Answer):
-    """What a pattern gives of the name of each new file."""
-
-    files: list[StatedFile]
-
-
 @router.post("/files/pattern")
-def match(opened: Opened, params: Body[PatternParams]) -> PatternMatches:
+def match(opened: Opened, params: Body[PatternParams]) -> list[StatedFile]:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, [one.file for one in params.files])
     scales = _scales(opened.read())
-    return PatternMatches(
-        files=[
-            _stated(scales, new, one.values, (one.problem,))
-            for new, one in zip(params.files, found, strict=True)
-        ]
-    )
+    return [
+        _stated(scales, new, one.values, (one.problem,)) for new, one in zip(params.files, found, strict=True)
+    ]
 
 
 def _stated(

@@ -31,7 +31,7 @@ from fingerpad.study.measuring.fingers import (
     outline_radii,
     photograph_item,
 )
-from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantities, SemiAxes
+from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantity, SemiAxes
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
@@ -64,11 +64,10 @@ class FaceHandles(Answer):
     along_end_px: Point
 
 
-class FaceAxes(Quantities):
-    """Semi-axes that a face gives, mm, with standard uncertainties."""
+class FaceAxes(Answer):
+    """Semi-axes that a face gives."""
 
-    semi_axes_mm: dict[Axis, float]
-    semi_axes_mm_std: dict[Axis, float | None]
+    semi_axes_mm: dict[Axis, Quantity]
 
 
 class FaceDifference(Answer):
@@ -81,11 +80,10 @@ class FaceDifference(Answer):
     radial_ulnar: float | None
 
 
-class CombinedFaces(Quantities):
+class CombinedFaces(Answer):
     """The semi-axes that all faces of a finger give."""
 
     semi_axes_mm: SemiAxes
-    semi_axes_mm_std: SemiAxes
     chi_square: float
     degrees_of_freedom: int
     p_words: str
@@ -94,13 +92,12 @@ class CombinedFaces(Quantities):
     disagreements: list[FaceDifference]
 
 
-class SideRadius(Quantities):
+class SideRadius(Answer):
     """Radii of curvature of a side face where a wedge touches: of the outline itself, and of the ellipse."""
 
-    wedge_angle_deg: float
-    outline_mm: float
-    outline_mm_std: float
-    ellipse_mm: float
+    wedge_angle_deg: Quantity
+    outline_mm: Quantity
+    ellipse_mm: Quantity
 
 
 class PhotographMeasurement(FaceAxes):
@@ -115,14 +112,12 @@ class PhotographMeasurement(FaceAxes):
     points_px: list[Point]
     outliers_px: list[Point]
     uncertainty_words: dict[Axis, str]
-    arc_deg: float | None
-    exponent: float | None
-    exponent_std: float | None
+    arc_deg: Quantity
+    exponent: Quantity
     radii: list[SideRadius]
-    tilt_deg: float | None
+    tilt_deg: Quantity
     flags: list[str]
     mm_per_px: float
-    mm_per_px_std: float
     automatic: FaceAxes | None
     finger: CombinedFaces | None
     finger_error: str | None
@@ -178,13 +173,12 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
         points_px=fit.points.round(2),
         outliers_px=fit.outliers.round(2),
         uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
-        exponent_std=None if math.isnan(fit.exponent) else fit.exponent_std,
-        radii=fit.side_radii(),
+        semi_axes_mm=_axes(fit),
+        radii=[SideRadius.of(one) for one in fit.side_radii()],
         tilt_deg=tilt,
         flags=sorted(fit.flags),
         mm_per_px=size,
-        mm_per_px_std=fit.scale.mm_per_px_std,
-        automatic=automatic and FaceAxes.of(automatic),
+        automatic=automatic and FaceAxes.of(semi_axes_mm=_axes(automatic)),
         finger=together,
         finger_error=error,
         milliseconds=1000 * (time.perf_counter() - began),
@@ -200,6 +194,12 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
     if params.face is None or params.scale is None:
         raise RequestError.impossible(f"{params.item}: state its face and its scale")
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
+
+
+def _axes(fit: PhotographFit) -> dict[str, Quantity]:
+    stds = {f"{axis}_std": std for axis, std in fit.semi_axes_mm_std.items()}
+    known = fit.semi_axes_mm | stds
+    return {axis: Quantity.read(known.get, axis, "mm") for axis in FACE_AXES[fit.face]}
 
 
 def _terms(fit: PhotographFit, axis: str) -> str:
@@ -278,8 +278,7 @@ def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFi
     found = combine_faces(faces.values())
     return CombinedFaces.of(
         found,
-        semi_axes_mm=SemiAxes.of_three(found.semi_axes),
-        semi_axes_mm_std=SemiAxes.of_three(found.stds),
+        semi_axes_mm=SemiAxes.of_three(found.semi_axes, found.stds),
         p_words=p_words(found.p_value),
         disagreements=[
             {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}

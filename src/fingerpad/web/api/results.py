@@ -26,8 +26,7 @@ from fingerpad.web.answers import (
     Answer,
     Cell,
     PoolingCorrectionRecord,
-    Quantities,
-    quantity_words,
+    Quantity,
     unit_of,
     with_unit,
 )
@@ -44,26 +43,21 @@ _MOST_IN_QUESTION: Final = 200
 
 
 class ColumnEntry(Answer):
-    """A column of the results: its label with its unit, its meaning, and the symbol of its glossary.
-
-    `std` is the column of its standard uncertainty, the model's part in it.
-    """
+    """A column of the results: its label with its unit, its meaning, and the symbol of its glossary."""
 
     key: str
     label: str
     words: str
     symbol: str | None
-    std: str | None
 
 
 class Rows(Answer):
-    """Some rows of the results, and their numbers in words, without units."""
+    """Some rows of the results; quantities in words have no units."""
 
     total: int
     matching: int
     columns: list[ColumnEntry]
-    rows: list[dict[str, Cell]]
-    words: list[dict[str, str]]
+    rows: list[dict[str, Quantity | Cell]]
 
 
 class RangeNote(Answer):
@@ -75,12 +69,12 @@ class RangeNote(Answer):
     rows: int
 
 
-class Group(Quantities):
+class Group(Answer):
     """A finger at one placement; `figure` begins the names of its figures in the report."""
 
     finger: str
-    wedge_angle_deg: float
-    roll_angle_deg: float
+    wedge_angle_deg: Quantity
+    roll_angle_deg: Quantity
     synthetic: bool
     figure: str
 
@@ -122,32 +116,25 @@ class CheckWords(Answer):
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
 
-    `rows` are the columns that are plotted; what is plotted against load is in `point_words`, too.
+    `points` are the columns that are plotted against the load of each item.
 
     `radius_verdict` is that of the corrected radius, `radius_of_model` whether its standard uncertainty holds
     what the model leaves uncertain.
     """
 
-    radius_from_indentation_mm: float | None
-    radius_from_indentation_mm_total_std: float | None
+    radius_from_indentation_mm: Quantity
     radius_verdict: str
     radius_of_model: bool
-    mean_curvature_radius_mm: float | None
-    mean_curvature_radius_mm_std: float | None
-    loading_radius_mm: float | None
-    loading_radius_mm_std: float | None
-    rows: dict[str, list[Cell]]
-    point_words: dict[str, list[str]]
+    mean_curvature_radius_mm: Quantity
+    loading_radius_mm: Quantity
+    items: list[str]
+    load_N: list[float | None]  # noqa: N815
+    pooled: list[bool]
+    points: dict[str, list[Quantity]]
     range_notes: list[RangeNote]
     verdict: str
     checks: list[CheckWords]
     pooling: Pooling
-
-
-class Plot(Answer):
-    """What to plot."""
-
-    groups: list[PlottedGroup]
 
 
 class BudgetGroup(Group):
@@ -158,41 +145,17 @@ class BudgetGroup(Group):
     check: UncertaintyCheckRecord | None
 
 
-class Budget(Answer):
-    """The uncertainty budgets."""
+class AuditedNumber(Answer):
+    """A number printed by Dzidek et al. (2017), and what the equations give, in words."""
 
-    groups: list[BudgetGroup]
-
-
-class AuditWords(Answer):
-    """The values of an audited number, in words."""
-
+    item: str
     printed: str
     computed: str
     range: str
     with_misprint: str
-
-
-class AuditedNumber(Answer):
-    """A number printed by Dzidek et al. (2017), and what the equations give."""
-
-    item: str
-    printed: float | None
-    unit: str
     verdict: str
-    computed: float | None
-    low: float | None
-    high: float | None
-    with_misprint: float | None
-    words: AuditWords
     formula: str
     remark: str
-
-
-class Audit(Answer):
-    """The audit of the printed numbers."""
-
-    items: list[AuditedNumber]
 
 
 def require_results(opened: StudySession) -> Results:
@@ -230,22 +193,27 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
         if key not in found.table:
             raise RequestError.impossible(f"no column is named {key!r}")
         chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
-    columns = [name for name in params.columns.split(",") if name in found.table] or list(found.table)
+    # A standard uncertainty stands beside its number, unless it is asked for.
+    columns = [name for name in params.columns.split(",") if name in found.table] or [
+        name for name in found.table if name not in _STDS
+    ]
     shown = chosen[params.offset : params.offset + params.limit]
     return Rows.of(
         total=len(found.table),
         matching=len(chosen),
         columns=[_column(COLUMNS[name]) for name in columns],
         rows=[
-            {"item": item, **row}
-            for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
+            {"item": item, **{name: _cell(row, name) for name in columns}}
+            for item, row in zip(
+                items(shown["observation"]), records(shown, *_with_stds(columns)), strict=True
+            )
         ],
-        words=[_words(row, columns) for row in records(shown, *_with_stds(columns))],
     )
 
 
-def _words(row: Row, columns: list[str]) -> dict[str, str]:
-    return {name: quantity_words(row, name, "") for name in columns if isinstance(row[name], float)}
+def _cell(row: Row, name: str) -> Quantity | Cell:
+    value: Cell = row[name]
+    return Quantity.read(row.get, name, "") if isinstance(value, float) else value
 
 
 def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
@@ -296,13 +264,11 @@ def _label(column: Column) -> str:
 
 
 def _column(column: Column) -> ColumnEntry:
-    stds = [f"{column.name}_total_std", f"{column.name}_std"]
     return ColumnEntry(
         key=column.name,
         label=_label(column),
         words=column.meaning,
         symbol=next((key for key, symbol in GLOSSARY.items() if symbol.column == column.name), None),
-        std=next((std for std in stds if std in COLUMNS), None),
     )
 
 
@@ -313,17 +279,15 @@ class PlotParams(Params):
 
 
 @router.get("/results/plot")
-def plot(opened: Opened, params: Query[PlotParams]) -> Plot:
+def plot(opened: Opened, params: Query[PlotParams]) -> list[PlottedGroup]:
     """Return the data to plot for each finger and placement."""
     found = require_results(opened)
     active = opened.corrections.active_corrections()
-    return Plot(
-        groups=[
-            _group(one, found.table, active)
-            for one in found.summary.summaries
-            if params.finger in {None, one.finger}
-        ]
-    )
+    return [
+        _group(one, found.table, active)
+        for one in found.summary.summaries
+        if params.finger in {None, one.finger}
+    ]
 
 
 def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
@@ -337,8 +301,10 @@ def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, Active
         of,
         figure=group_name(of.key),
         pooling=_pooling(rows, int(rejected.sum()), active),
-        rows={"item": items(rows["observation"])} | {name: items(rows[name]) for name in _PLOTTED_COLUMNS},
-        point_words=_point_words(rows),
+        items=items(rows["observation"]),
+        load_N=items(rows["load_N"]),
+        pooled=items(rows["pooled"]),
+        points=_points(rows),
         range_notes=[
             RangeNote.of(flag, rows=codes[code]) for code, flag in FLAGS["row"].items() if code in codes
         ],
@@ -365,19 +331,18 @@ def _with_stds(names: Iterable[str]) -> list[str]:
     return [one for name in names for one in (name, f"{name}_std", f"{name}_total_std") if one in COLUMNS]
 
 
-_PLOTTED_COLUMNS: Final = ("load_N", "pooled", *_with_stds(_PLOTTED), f"{_ON_GIVEN_PAD}_std")
+# Columns of the standard uncertainty of another, the model's part in it where that is known.
+_STDS: Final = frozenset(stds[-1] for name in COLUMNS if (stds := _with_stds([name])[1:]))
 
 
-def _point_words(rows: pd.DataFrame) -> dict[str, list[str]]:
-    """Return what is plotted in words, by column; also of the corrected radius on a given pad."""
-    found: dict[str, list[str]] = {name: [] for name in (*_PLOTTED, _ON_GIVEN_PAD)}
-    radius = _PLOTTED[0]
+def _points(rows: pd.DataFrame) -> dict[str, list[Quantity]]:
+    """Return what is plotted against load, by column; also the corrected radius on a given pad."""
+    points: dict[str, list[Quantity]] = {name: [] for name in (*_PLOTTED, _ON_GIVEN_PAD)}
     for row in records(rows, *_with_stds(_PLOTTED), f"{_ON_GIVEN_PAD}_std"):
-        for name in _PLOTTED:
-            found[name].append(quantity_words(row, name))
-        given = {radius: row[radius], f"{radius}_std": row[f"{_ON_GIVEN_PAD}_std"]}
-        found[_ON_GIVEN_PAD].append(quantity_words(given, radius))
-    return found
+        row[_ON_GIVEN_PAD] = row[_PLOTTED[0]]
+        for name, quantities in points.items():
+            quantities.append(Quantity.read(row.get, name, "mm" if name == _ON_GIVEN_PAD else None))
+    return points
 
 
 def _pooling(rows: pd.DataFrame, rejected: int, active: Mapping[str, ActiveCorrection]) -> Pooling:
@@ -413,20 +378,18 @@ def _pooling(rows: pd.DataFrame, rejected: int, active: Mapping[str, ActiveCorre
 
 
 @router.get("/results/budget")
-def budget(opened: Opened) -> Budget:
+def budget(opened: Opened) -> list[BudgetGroup]:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
-    return Budget(
-        groups=[
-            BudgetGroup.of(
-                one,
-                figure=group_name(one.key),
-                pooled=one.radius_from_indentation_variance_shares,
-                check_words=_check_words(one),
-                check=one.uncertainty_check,
-            )
-            for one in require_results(opened).summary.summaries
-        ]
-    )
+    return [
+        BudgetGroup.of(
+            one,
+            figure=group_name(one.key),
+            pooled=one.radius_from_indentation_variance_shares,
+            check_words=_check_words(one),
+            check=one.uncertainty_check,
+        )
+        for one in require_results(opened).summary.summaries
+    ]
 
 
 def _check_words(one: PlacementRecord) -> str:
@@ -435,16 +398,17 @@ def _check_words(one: PlacementRecord) -> str:
 
 
 @here.get("/published")
-def published() -> Audit:
+def published() -> list[AuditedNumber]:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return Audit(items=[AuditedNumber.of(item, words=_audit_words(item)) for item in audit()])
+    return [_audited(item) for item in audit()]
 
 
-def _audit_words(item: AuditItem) -> AuditWords:
+def _audited(item: AuditItem) -> AuditedNumber:
     def words(value: float | None) -> str:
         return "–" if value is None else with_unit(value_with_uncertainty(value), item.unit)
 
-    return AuditWords(
+    return AuditedNumber.of(
+        item,
         printed="–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit),
         computed=words(item.computed),
         range="–" if item.low is None else f"{value_with_uncertainty(item.low)} to {words(item.high)}",

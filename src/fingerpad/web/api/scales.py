@@ -12,7 +12,7 @@ from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
-from fingerpad.web.answers import Answer, Point, Quantities
+from fingerpad.web.answers import Answer, Point, Quantity
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
@@ -23,15 +23,14 @@ router = study_router()
 _FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
 
 
-class CoinOutline(Quantities):
+class CoinOutline(Answer):
     """A coin found in a picture."""
 
     outline_px: list[Point]
-    radius_px: float
-    radius_px_std: float
+    radius_px: Quantity
 
 
-class GridMeasurement(Quantities):
+class GridMeasurement(Answer):
     """A grid found in a picture, how far it is from flat, and the scale of rectified pictures."""
 
     points_px: list[Point]
@@ -39,17 +38,15 @@ class GridMeasurement(Quantities):
     anisotropy: float
     variation: float
     unevenness: float
-    rectified_mm_per_px: float
-    rectified_mm_per_px_std: float
+    rectified_mm_per_px: Quantity
 
 
-class ScaleMeasurement(Quantities):
+class ScaleMeasurement(Answer):
     """The scale that a table gives."""
 
-    mm_per_px: float
-    mm_per_px_std: float
+    mm_per_px: Quantity
     relative_std: float
-    resolution_ppi: float
+    resolution_ppi: Quantity
     flags: list[str]
     coin: CoinOutline | None
     grid: GridMeasurement | None
@@ -63,11 +60,10 @@ class RectifiedPictures(Answer):
     relative_std: float
 
 
-class LengthMeasurement(Quantities):
+class LengthMeasurement(Answer):
     """The length of a line."""
 
-    length_mm: float
-    length_mm_std: float
+    length_mm: Quantity
 
 
 def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
@@ -195,4 +191,4 @@ def length(opened: Opened, params: Body[LengthParams]) -> LengthMeasurement:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
     found, std = scale_of(opened, params.scale).scale.length(start, end, point_px_std=params.ends_px_std)
-    return LengthMeasurement(length_mm=found, length_mm_std=std)
+    return LengthMeasurement.of(length_mm=found, length_mm_std=std)

@@ -42,7 +42,7 @@ from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.status import Missing, item_states, semi_axes_state
-from fingerpad.web.answers import Answer, Face, Quantities, SemiAxes, Status
+from fingerpad.web.answers import Answer, Face, Quantity, SemiAxes, Status
 from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import (
@@ -107,19 +107,15 @@ class PhotographEntry(Review):
     synthetic: bool
 
 
-class FingerEntry(Quantities):
+class FingerEntry(Answer):
     """A finger of the study; `status` and `reason` are of its semi-axes."""
-
-    has_units = False
 
     name: str
     table: dict[str, Any]
     complete: bool
     synthetic: bool
     semi_axes_mm: SemiAxes | None
-    semi_axes_mm_std: SemiAxes | None
-    effective_thickness_mm: Number
-    effective_thickness_mm_std: Number
+    effective_thickness_mm: Quantity
     status: Status
     reason: str | None
     photographs: list[PhotographEntry]
@@ -168,17 +164,14 @@ class SequenceEntry(Answer):
     complete: bool
 
 
-class CurveEntry(Quantities):
+class CurveEntry(Answer):
     """A loading curve, or a radius from loading data."""
-
-    has_units = False
 
     key: str
     finger: Text
     wedge_angle_deg: Number
     file: Text
-    loading_radius_mm: Number
-    loading_radius_mm_std: Number
+    loading_radius_mm: Quantity
     synthetic: bool
     complete: bool
     status: Status
@@ -409,8 +402,9 @@ class _Known:
             table=table,
             complete=complete,
             synthetic=table.get("synthetic") is True,
-            semi_axes_mm=known and SemiAxes.of_three(known.semi_axes),
-            semi_axes_mm_std=known and SemiAxes.of_three(np.sqrt(known.covariance.diagonal())),
+            semi_axes_mm=known
+            and SemiAxes.of_three(known.semi_axes, np.sqrt(known.covariance.diagonal()), ""),
+            effective_thickness_mm=Quantity.read(table.get, "effective_thickness_mm", ""),
             status=status,
             reason=record.reason if record and status == "failed" else None,
             photographs=[self.photograph(name, one) for one in table.get("photographs", [])],
@@ -481,6 +475,7 @@ class _Known:
                 key=key,
                 synthetic=table.get("synthetic") is True,
                 complete=complete,
+                loading_radius_mm=Quantity.read(table.get, "loading_radius_mm", ""),
                 status=self.states.get(item or "", "given"),
                 reason=reasons.get(at) if complete else None,
             )

@@ -21,7 +21,7 @@ const SCALES = [
 const FORMATS = ["svg", "pdf", "png", "csv"];
 const PAUSE_MS = 250;
 
-/** Open the dialog for a figure. @param {Answers["Figures"]["figures"][number]} figure */
+/** Open the dialog for a figure. @param {Answers["FigureEntry"]} figure */
 async function openFigureSettings({ name, caption }) {
   const details = await get("/results/figure", { name });
   /** @type {Record<string, any>} */
@@ -132,7 +132,7 @@ async function openFigureSettings({ name, caption }) {
 /**
  * The button that opens the dialog for a figure, if the last run drew it so that it can be set.
  *
- * @param {Answers["Figures"]["figures"][number] | undefined} figure
+ * @param {Answers["FigureEntry"] | undefined} figure
  * @param {string} [kind] of the button
  */
 export const figureButton = (figure, kind = "small") =>

@@ -196,8 +196,8 @@ export class PadScene {
     const { scene, project } = this;
     const line = (points, kind) => s(`path.${kind}`, { d: `M${points.map(project).join("L")}` });
     const directions = {
-      "principal direction along": ["along", scene.in_plane_radius_mm],
-      "principal direction across": ["across", scene.transverse_radius_mm],
+      "principal direction along": ["along", scene.in_plane_radius_mm.value],
+      "principal direction across": ["across", scene.transverse_radius_mm.value],
     };
     const [x, y] = project(scene.contact_point_mm);
     render(this.marks, [

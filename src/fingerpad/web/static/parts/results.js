@@ -1,4 +1,4 @@
-// The header of a card of results, and whether the model holds: one word, and the checks behind it.
+// A card of results, and whether the model holds: one word, and the checks behind it.
 
 import { h } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
@@ -21,7 +21,7 @@ export function verdictChip(verdict, checks = []) {
 /**
  * The figure of a kind that the report has of a finger at a placement.
  *
- * @param {Answers["Figures"]["figures"]} figures
+ * @param {Answers["FigureEntry"][]} figures
  * @param {{ figure: string }} group
  * @param {string} kind
  */
@@ -29,19 +29,25 @@ export const figureOf = (figures, group, kind) =>
   figures.find(({ name }) => name === `${group.figure}_${kind}`);
 
 /**
- * The header of a card of a finger at a placement: with a button for its figure, if there is one.
+ * A card of a finger at a placement: with a button for its figure, if there is one.
  *
  * @param {Answers["PlottedGroup"] | Answers["BudgetGroup"]} group
  * @param {Answers["FigureEntry"] | undefined} figure
+ * @param {any} content
  */
-export const groupHeader = (group, figure) =>
-  h("header", [
-    h("h2", [
-      `${group.finger}, `,
-      symbol("θ"),
-      ` = ${group.words.wedge_angle_deg}`,
-      group.roll_angle_deg ? [", ", symbol("φ"), ` = ${group.words.roll_angle_deg}`] : "",
+export function groupCard(group, figure, content, name = "section.card") {
+  const { finger, wedge_angle_deg: wedge, roll_angle_deg: roll } = group;
+  return h(name, { "aria-label": `${finger}, wedge ${wedge.words}` }, [
+    h("header", [
+      h("h2", [
+        `${finger}, `,
+        symbol("θ"),
+        ` = ${wedge.words}`,
+        roll.value !== 0 && [", ", symbol("φ"), ` = ${roll.words}`],
+      ]),
+      synthetic(group.synthetic),
+      h("div.actions", figureButton(figure)),
     ]),
-    synthetic(group.synthetic),
-    h("div.actions", figureButton(figure)),
+    content,
   ]);
+}

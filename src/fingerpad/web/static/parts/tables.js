@@ -46,8 +46,15 @@ function table(label, headings, rows) {
       : h("th.number", { scope: "col", title: one.title }, one.words);
   const made = tableOf("table.tight", headings.map(heading), rows);
   labelCells(made);
-  return h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": label }, made);
+  return scrolled(label, made);
 }
+
+/** What scrolls in a box of its own, also by keys. */
+export const scrolled = (label, content, name = "div.table-wrap") =>
+  h(name, { tabindex: 0, role: "group", "aria-label": label }, content);
+
+/** Headings of columns of numbers. @param {string[]} words */
+export const numberHeadings = (words) => words.map((one) => h("th.number", { scope: "col" }, one));
 
 /**
  * A table of headings, words or cells, and rows.

@@ -214,24 +214,24 @@ export class ContactInspector extends Inspector {
     const outOfDate = () =>
       staleChip((this.view.sequence ?? this.view.entry).finger, "semi-axes out of date");
     const line = ([key, label, words, mark]) =>
-      quantityRow(label(), numbers.words[key], {
+      quantityRow(label(), numbers[key].words, {
         mark,
         title: words,
-        was: corrected && automatic ? automatic.words[key] : undefined,
+        was: corrected && automatic ? automatic[key].words : undefined,
       });
     render(this.parts.numbers, [
       model &&
         h("div.headline.main-number", [
           h("span", ["Corrected radius ", symbol("R_g^corr")]),
-          h("span.figure-big.number", { "data-live": "radius" }, model.words.radius_from_indentation_mm),
+          h("span.figure-big.number", { "data-live": "radius" }, model.radius_from_indentation_mm.words),
           verdictOf(model, "radius_from_indentation_mm"),
           outOfDate(),
         ]),
       h("div.headline", [h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")]),
       h("dl.readings", { "data-live": "numbers" }, [
         QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.isSmooth()).map(line),
-        !this.isSmooth() && quantityRow("Ridge period", numbers.words.ridge_period_mm),
-        quantityRow([symbol("IoU"), " of ellipse and region"], numbers.words.ellipse_iou ?? "–", {
+        !this.isSmooth() && quantityRow("Ridge period", numbers.ridge_period_mm.words),
+        quantityRow([symbol("IoU"), " of ellipse and region"], numbers.ellipse_iou.words, {
           title: "intersection over union; 1 is a perfect match",
         }),
       ]),
@@ -239,14 +239,14 @@ export class ContactInspector extends Inspector {
         h("div.headline", [h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()]),
         h("dl.readings", [
           MODEL.map(([key, label, words]) =>
-            quantityRow(label(), [model.words[key], " ", verdictOf(model, key)], { title: words }),
+            quantityRow(label(), [model[key].words, " ", verdictOf(model, key)], { title: words }),
           ),
         ]),
       ],
       layered(model) && [
-        h("h3", `Model, ${model.words.effective_thickness_mm} of tissue over bone`),
+        h("h3", `Model, ${model.effective_thickness_mm.words} of tissue over bone`),
         h("dl.readings", { "data-live": "layer" }, [
-          ON_LAYER.map(([key, label, words]) => quantityRow(label(), model.words[key], { title: words })),
+          ON_LAYER.map(([key, label, words]) => quantityRow(label(), model[key].words, { title: words })),
         ]),
         model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
@@ -329,7 +329,7 @@ export class ContactInspector extends Inspector {
 }
 
 /** @param {ContactMeasurement["model"]} model */
-const layered = (model) => typeof model?.effective_thickness_mm === "number";
+const layered = (model) => typeof model?.effective_thickness_mm.value === "number";
 
 /** @param {ContactMeasurement["model"]} model */
 const notesOf = (model) => model?.range_notes ?? [];

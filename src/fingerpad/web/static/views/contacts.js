@@ -178,7 +178,7 @@ class Contacts extends ContactReview {
   async #figure() {
     const name = `sequence_${this.sequence?.name}`;
     const there = this.sequence && workspace.study.results.there;
-    const { figures } = there ? await get("/results/figures") : { figures: [] };
+    const figures = there ? await get("/results/figures") : [];
     const figure = figures.find((each) => [name, `${name}_synthetic`].includes(each.name));
     if (name === `sequence_${this.sequence?.name}`) render(this.traces.figure, figureButton(figure));
   }

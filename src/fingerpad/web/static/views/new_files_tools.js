@@ -131,7 +131,7 @@ export class NewFileTools {
     this.matches = [];
     if (!pattern.includes("{")) return render(this.preview);
     try {
-      const { files } = await post("/files/pattern", { pattern, files: this.files() });
+      const files = await post("/files/pattern", { pattern, files: this.files() });
       if (wanted !== this.wanted) return undefined;
       this.matches = files;
       const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));

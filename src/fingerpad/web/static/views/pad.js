@@ -152,7 +152,8 @@ class PadView {
 
   /** Show a finger, or semi-axes to enter, which start from those shown before. */
   #choose(finger) {
-    if (!finger && this.answer) this.axes = { ...this.answer.semi_axes_mm };
+    if (!finger && this.answer)
+      for (const [axis] of AXES) this.axes[axis] = this.answer.semi_axes_mm[axis].value;
     this.finger = finger;
     this.#draw();
     this.#ask();
@@ -178,9 +179,9 @@ class PadView {
     this.answer = answer;
     render(this.axesTitle, [h("h3", "Semi-axes"), staleChip(this.finger)]);
     render(this.axesShown, [
-      AXES.map(([axis, words]) => quantityRow(words, answer.words[`semi_axes_mm.${axis}`])),
+      AXES.map(([axis, words]) => quantityRow(words, answer.semi_axes_mm[axis].words)),
     ]);
-    this.scene.show(answer, `The pad on a wedge of ${this.wedge}°, touching at u = ${answer.words.u_deg}`);
+    this.scene.show(answer, `The pad on a wedge of ${this.wedge}°, touching at u = ${answer.u_deg.words}`);
     render(this.caption, [
       h("span", [h("i.key.along"), "principal direction along the finger"]),
       h("span", [h("i.key.across"), "across the finger"]),
@@ -192,14 +193,13 @@ class PadView {
     render(this.numbers, [
       h("div.headline", [
         h("span", ["Contact at ", symbol("u")]),
-        h("span.figure-big.number", { "data-live": "u" }, answer.words.u_deg),
+        h("span.figure-big.number", { "data-live": "u" }, answer.u_deg.words),
       ]),
-      answer.v_deg !== null &&
-        Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", [symbol("v"), ` = ${answer.words.v_deg}`]),
+      Math.abs(answer.v_deg.value - 90) > 0.005 &&
+        h("p.soft.number", [symbol("v"), ` = ${answer.v_deg.words}`]),
       h("div", staleChip(this.finger)),
       h("dl.readings", { "data-live": "radii" }, [
-        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), answer.words[key])),
+        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), answer[key].words)),
       ]),
       !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
     ]);

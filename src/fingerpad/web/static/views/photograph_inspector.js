@@ -78,21 +78,18 @@ export class PhotographInspector extends Inspector {
       h("div.headline", [h("h3", "This face"), chip(answer.by, automatic ? "accent" : "")]),
       h("dl.readings", { "data-live": "face" }, [
         answer.axes.map((axis) =>
-          quantityRow(`${NAMES[axis]} semi-axis`, answer.words[`semi_axes_mm.${axis}`], {
+          quantityRow(`${NAMES[axis]} semi-axis`, answer.semi_axes_mm[axis].words, {
             mark: "face",
             title: `Standard uncertainty: ${answer.uncertainty_words[axis]}`,
-            was: automatic?.words[`semi_axes_mm.${axis}`],
+            was: automatic?.semi_axes_mm[axis].words,
           }),
         ),
-        quantityRow("Arc of the pad", answer.words.arc_deg ?? "–"),
-        answer.exponent !== null && quantityRow("Exponent (ellipse: 2)", answer.words.exponent),
-        answer.radii.map(({ words }) =>
-          quantityRow(
-            `Radius at ${words.wedge_angle_deg}, outline`,
-            `${words.outline_mm} (ellipse ${words.ellipse_mm})`,
-          ),
+        quantityRow("Arc of the pad", answer.arc_deg.words),
+        answer.exponent.value !== null && quantityRow("Exponent (ellipse: 2)", answer.exponent.words),
+        answer.radii.map(({ wedge_angle_deg: wedge, outline_mm: outline, ellipse_mm: ellipse }) =>
+          quantityRow(`Radius at ${wedge.words}, outline`, `${outline.words} (ellipse ${ellipse.words})`),
         ),
-        quantityRow("Tilt", answer.words.tilt_deg ?? "–"),
+        quantityRow("Tilt", answer.tilt_deg.words),
       ]),
       flagNote(answer.flags, PHOTOGRAPH_FLAGS),
     ]);
@@ -122,7 +119,7 @@ export class PhotographInspector extends Inspector {
       ]),
       h("dl.readings", { "data-live": "finger" }, [
         Object.entries(NAMES).map(([axis, words]) =>
-          quantityRow(`${words} semi-axis`, h("strong.figure", finger.words[`semi_axes_mm.${axis}`])),
+          quantityRow(`${words} semi-axis`, h("strong.figure", finger.semi_axes_mm[axis].words)),
         ),
         finger.degrees_of_freedom > 0 &&
           quantityRow("Agreement", [
@@ -186,7 +183,7 @@ export class PhotographInspector extends Inspector {
     const line = this.parts.tool.querySelector("[data-live=length]");
     if (line)
       render(line, [
-        h("span.figure-big.number", answer.words.length_mm),
+        h("span.figure-big.number", answer.length_mm.words),
         h("br"),
         "uncertainty of each end: 1 px",
       ]);

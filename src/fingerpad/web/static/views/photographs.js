@@ -158,7 +158,7 @@ class Photographs extends Review {
 
   /** @param {Answers["LengthMeasurement"]} answer */
   #length(answer) {
-    this.line.write(answer.words.length_mm);
+    this.line.write(answer.length_mm.words);
     this.inspector.length(answer);
   }
 

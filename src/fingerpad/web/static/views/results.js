@@ -5,22 +5,22 @@ import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { empty, segments } from "../parts/forms.js";
 import { doubtNotes } from "../parts/notes.js";
-import { Audit } from "./results_audit.js";
-import { Budget } from "./results_budget.js";
-import { Figures } from "./results_figures.js";
+import { showAudit, showBudget, showFigures, showSimulator } from "./results_parts.js";
 import { Plots } from "./results_plots.js";
-import { Simulator } from "./results_simulator.js";
 import { Table } from "./results_table.js";
 
-/** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
-/** @type {[name: string, title: string, key: string, words: string, part: new (root: Element) => Part][]} */
+/** @typedef {View & { load(): Promise<any>, search?(): void, theme?(): void }} Part */
+/** @type {(show: (root: Element) => Promise<void>) => (root: Element) => Part} */
+const stateless = (show) => (root) => ({ load: () => show(root) });
+
+/** @type {[name: string, title: string, key: string, words: string, open: (root: Element) => Part][]} */
 const PARTS = [
-  ["plot", "Plots", "p", "Plots against load", Plots],
-  ["table", "Table", "t", "Table", Table],
-  ["figures", "Figures", "f", "All figures of the report", Figures],
-  ["budget", "Uncertainty", "b", "Uncertainty budget", Budget],
-  ["simulator", "Simulator", "s", "Numbers for robot simulators", Simulator],
-  ["audit", "Audit", "a", "Audit of the published tables", Audit],
+  ["plot", "Plots", "p", "Plots against load", (root) => new Plots(root)],
+  ["table", "Table", "t", "Table", (root) => new Table(root)],
+  ["figures", "Figures", "f", "All figures of the report", stateless(showFigures)],
+  ["budget", "Uncertainty", "b", "Uncertainty budget", stateless(showBudget)],
+  ["simulator", "Simulator", "s", "Numbers for robot simulators", stateless(showSimulator)],
+  ["audit", "Audit", "a", "Audit of the published tables", stateless(showAudit)],
 ];
 
 class Results {
@@ -59,7 +59,7 @@ class Results {
 
   #show(part) {
     this.finished = workspace.study.results?.finished;
-    const [key, , , , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
+    const [key, , , , open] = PARTS.find(([name]) => name === part) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
     this.part?.close?.();
@@ -73,7 +73,7 @@ class Results {
     // Each part has its own element, so that late answers of another part are not shown.
     const home = h("div", h("div.loading", { role: "status" }, "Reading the results …"));
     render(this.body, home);
-    this.part = new Part(home);
+    this.part = open(home);
     this.part
       .load()
       .catch((error) =>
@@ -106,23 +106,22 @@ class Results {
   }
 
   #sayFresh() {
-    const { results } = workspace.study;
-    const { assumed, taken_as_exact: exact } = workspace.study;
-    render(this.banner, [
-      results?.there && this.key !== "audit" && doubtNotes("div.banner.note"),
-      results?.there &&
-        this.key !== "audit" &&
-        exact.length + assumed.length > 0 &&
-        h("div.banner.note", [
-          exact.length > 0 && exactNote(exact),
-          assumed.length > 0 &&
-            h("p", [
-              `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
-              h("a", { href: "#/study" }, "Set"),
-            ]),
+    const { results, assumed, taken_as_exact: exact } = workspace.study;
+    if (!results.there) {
+      render(this.banner);
+      return;
+    }
+    const inputs = exact.length + assumed.length > 0 && [
+      exact.length > 0 && exactNote(exact),
+      assumed.length > 0 &&
+        h("p", [
+          `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
+          h("a", { href: "#/study" }, "Set"),
         ]),
-      results?.there &&
-        !results.fresh &&
+    ];
+    render(this.banner, [
+      this.key !== "audit" && [doubtNotes("div.banner.note"), inputs && h("div.banner.note", inputs)],
+      !results.fresh &&
         h("div.banner.note", [
           "The study has changed since the last run. ",
           h("a", { href: workspace.study.ready ? "#/run/start" : "#/study" }, "Run again"),

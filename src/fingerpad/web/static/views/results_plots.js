@@ -7,9 +7,10 @@ import { short } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
-import { figureOf, groupHeader, verdictChip } from "../parts/results.js";
+import { figureOf, groupCard, verdictChip } from "../parts/results.js";
 
 const RADIUS = "radius_from_indentation_mm";
+const COMPARED = "radius_from_compliance_mm";
 
 // Quantities plotted against load, as the report has them: key, name, axis title, and whether from zero.
 /** @type {[key: string, name: string, axis: string, fromZero?: boolean][]} */
@@ -38,10 +39,13 @@ const BARS = [
   ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
 ];
 
+/** Whether a quantity is known of any contact of a group. @param {Answers["PlottedGroup"]} group */
+const isThere = ({ points }, key) => points[key].some(({ value }) => value !== null);
+
 export class Plots {
   /** @type {Answers["PlottedGroup"][]} */
   groups = [];
-  /** @type {Answers["Figures"]["figures"]} */
+  /** @type {Answers["FigureEntry"][]} */
   figures = [];
 
   constructor(root) {
@@ -53,9 +57,7 @@ export class Plots {
   }
 
   async load() {
-    const [{ groups }, { figures }] = await Promise.all([get("/results/plot"), get("/results/figures")]);
-    this.groups = groups;
-    this.figures = figures;
+    [this.groups, this.figures] = await Promise.all([get("/results/plot"), get("/results/figures")]);
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
       render(this.root, [
@@ -67,23 +69,20 @@ export class Plots {
       return;
     }
     this.grid = h("div.plot-grid");
+    const choice = (label, key, options) =>
+      choiceField(label, {
+        value: this[key],
+        options,
+        onset: (value) => {
+          this[key] = value;
+          this.#draw();
+        },
+      });
     render(this.root, [
       h("div.plot-bar", [
-        choiceField("Against load", {
-          value: this.quantity,
-          options: QUANTITIES,
-          onset: (value) => ((this.quantity = value), this.#draw()),
-        }),
-        choiceField("Finger", {
-          value: "",
-          options: [["", "all fingers"], ...fingers],
-          onset: (value) => ((this.finger = value), this.#draw()),
-        }),
-        choiceField("Error bars (standard uncertainty)", {
-          value: this.bars,
-          options: BARS,
-          onset: (value) => ((this.bars = value), this.#draw()),
-        }),
+        choice("Against load", "quantity", QUANTITIES),
+        choice("Finger", "finger", [["", "all fingers"], ...fingers]),
+        choice("Error bars (standard uncertainty)", "bars", BARS),
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ]),
       this.grid,
@@ -117,9 +116,9 @@ export class Plots {
   #legend(groups) {
     const hollow = [
       groups.some((group) => group.synthetic) && h("span", "hollow circles: synthetic"),
-      groups.some(({ rows }) => rows.pooled.includes(false)) && h("span", "faded: left out of the pool"),
+      groups.some(({ pooled }) => pooled.includes(false)) && h("span", "faded: left out of the pool"),
     ];
-    const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
+    const any = (key) => groups.some((group) => isThere(group, key));
     if (this.quantity !== RADIUS) {
       const onLayer = ON_LAYER[this.quantity];
       return [
@@ -131,10 +130,10 @@ export class Plots {
         hollow,
       ];
     }
-    const loading = groups.some((group) => group.loading_radius_mm != null);
+    const loading = groups.some((group) => group.loading_radius_mm.value !== null);
     return [
       h("span", [h("i.dot-mark"), symbol("R_g^corr")]),
-      any("radius_from_compliance_mm") &&
+      any(COMPARED) &&
         h("span", [h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]]),
       h("span", [h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"]),
       loading && h("span", [h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"]),
@@ -147,57 +146,63 @@ export class Plots {
     const why = this.#why(group);
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const fact = (label, key) =>
-      group[key] !== null && h("div", [h("dt", label), h("dd.number", group.words[key])]);
-    return h("section.card.plot-card", { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` }, [
-      groupHeader(group, figureOf(this.figures, group, FIGURES[this.quantity])),
-      h("dl.facts", [
-        group.radius_from_indentation_mm !== null &&
-          h("div.main-fact", [
-            h("dt", [symbol("R_g^corr"), ", pooled"]),
-            h(
-              "dd.number",
-              {
-                title: group.radius_of_model
-                  ? "standard uncertainty with what the model leaves uncertain"
-                  : "",
-              },
-              [group.words.radius_from_indentation_mm, " ", verdictChip(group.radius_verdict, group.checks)],
-            ),
-          ]),
-        fact(symbol("R_0g"), "mean_curvature_radius_mm"),
-        fact(symbol("R_g"), "loading_radius_mm"),
-      ]),
-      poolingList(group.pooling),
-      node,
-      h("details.range", [
-        h("summary", `Does the model hold? ${group.verdict}`),
-        list(
-          group.checks.map(({ words }) => words),
-          "ul.note",
-        ),
-      ]),
-      group.range_notes.length > 0 &&
+    const fact = (label, { value, words }) =>
+      value !== null && h("div", [h("dt", label), h("dd.number", words)]);
+    return groupCard(
+      group,
+      figureOf(this.figures, group, FIGURES[this.quantity]),
+      [
+        h("dl.facts", [
+          group.radius_from_indentation_mm.value !== null &&
+            h("div.main-fact", [
+              h("dt", [symbol("R_g^corr"), ", pooled"]),
+              h(
+                "dd.number",
+                {
+                  title: group.radius_of_model
+                    ? "standard uncertainty with what the model leaves uncertain"
+                    : "",
+                },
+                [
+                  group.radius_from_indentation_mm.words,
+                  " ",
+                  verdictChip(group.radius_verdict, group.checks),
+                ],
+              ),
+            ]),
+          fact(symbol("R_0g"), group.mean_curvature_radius_mm),
+          fact(symbol("R_g"), group.loading_radius_mm),
+        ]),
+        poolingList(group.pooling),
+        node,
         h("details.range", [
-          h("summary", `Doubtful values (${group.range_notes.length})`),
+          h("summary", `Does the model hold? ${group.verdict}`),
           list(
-            group.range_notes.map(
-              ({ words, to_do, rows }) =>
-                `${rows} of ${group.rows.item.length} contacts and frames: ${words}. To do: ${to_do}.`,
-            ),
+            group.checks.map(({ words }) => words),
             "ul.note",
           ),
         ]),
-    ]);
+        group.range_notes.length > 0 &&
+          h("details.range", [
+            h("summary", `Doubtful values (${group.range_notes.length})`),
+            list(
+              group.range_notes.map(
+                ({ words, to_do, rows }) =>
+                  `${rows} of ${group.items.length} contacts and frames: ${words}. To do: ${to_do}.`,
+              ),
+              "ul.note",
+            ),
+          ]),
+      ],
+      "section.card.plot-card",
+    );
   }
 
   /** Why there is nothing to plot; empty if there is. @param {Answers["PlottedGroup"]} group */
-  #why({ rows }) {
+  #why({ items, load_N: load, points }) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
-    const drawn = [key, ON_LAYER[key], key === RADIUS && "radius_from_compliance_mm"].filter(Boolean);
-    const there = (index) => rows.load_N[index] !== null && drawn.some((each) => rows[each][index] !== null);
-    /** @type {any[]} */
-    const items = rows.item;
+    const drawn = [key, ON_LAYER[key], key === RADIUS && COMPARED].filter(Boolean);
+    const there = (index) => load[index] !== null && drawn.some((each) => points[each][index].value !== null);
     if (items.some((_, index) => there(index))) return "";
     return [
       `No contact here has a ${words} to plot; `,
@@ -209,7 +214,7 @@ export class Plots {
   /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
-    const values = /** @type {number[]} */ (group.rows[key].filter((value) => value !== null));
+    const values = group.points[key].map(({ value }) => value).filter((value) => value !== null);
     const ends = [Math.min(...values), Math.max(...values)].map((end) => short(end));
     return `Chart of ${words} against load: ${values.length} values from ${ends.join(" to ")}`;
   }
@@ -219,19 +224,15 @@ export class Plots {
     this.drawn.add(node);
     /** @type {Answers["PlottedGroup"]} */
     const group = node.group;
-    /** @type {Record<string, any[]>} */
-    const rows = group.rows;
+    const { items, points } = group;
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === RADIUS;
     const [key, words, title, fromZero] = QUANTITIES.find(([each]) => each === this.quantity);
-    const given = radius && this.bars === "given";
-    const std = rows[given ? `${key}_fixed_geometry_std` : `${key}_total_std`] ?? rows[`${key}_std`];
+    const drawn = points[radius && this.bars === "given" ? `${RADIUS}_fixed_geometry` : key];
     const layerKey = ON_LAYER[key];
-    const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
-    const crowded = rows.item.length > 80;
-    const name = (index) => rows.item[index];
+    const crowded = items.length > 80;
     // An outline wider than the circle, which would hide a square of nearly the same value.
-    const opacity = rows.pooled.map((pooled) => (pooled ? 1 : FADED));
+    const opacity = group.pooled.map((pooled) => (pooled ? 1 : FADED));
     const square = {
       symbol: "square",
       color: "transparent",
@@ -239,21 +240,20 @@ export class Plots {
       line: { color: compliance, width: 1.4 },
       opacity,
     };
-    const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
-    const trace = (y, said, marker, errors) => ({
-      x: rows.load_N,
-      y: rows[y],
-      error_y: errors,
+    const bars = { type: "data", thickness: 1.4, width: crowded ? 0 : 4 };
+    /** @type {(quantities: Answers["Quantity"][], name: string, marker: object, bars?: string) => object} */
+    const trace = (quantities, name, marker, color) => ({
+      x: group.load_N,
+      y: quantities.map(({ value }) => value),
+      error_y: color && { ...bars, array: quantities.map(({ std }) => std), color },
       mode: "markers",
       type: "scatter",
       marker,
-      hovertemplate: rows.item.map(
-        (_, index) => `%{text}<br>W = %{x:.3g} N<br>${said(index)}<extra></extra>`,
+      hovertemplate: quantities.map(
+        ({ words }) => `%{text}<br>W = %{x:.3g} N<br>${name}${words}<extra></extra>`,
       ),
-      text: rows.item,
+      text: items,
     });
-    const worded = (of, column) => (index) => `${of}: ${group.point_words[column][index]}`;
-    const compared = "radius_from_compliance_mm";
     const circle = {
       color: group.synthetic ? panel : measured,
       size: crowded ? 4 : 8.5,
@@ -261,29 +261,23 @@ export class Plots {
       opacity,
     };
     const traces = [
-      radius && trace(compared, (index) => `R_Aξ = ${group.point_words[compared][index]}`, square),
-      onLayer &&
-        trace(
-          layerKey,
-          worded(`${words} on layer`, layerKey),
-          square,
-          bars(rows[`${layerKey}_std`], compliance),
-        ),
-      trace(key, worded(words, given ? `${key}_fixed_geometry` : key), circle, std && bars(std, measured)),
+      radius && trace(points[COMPARED], "R_Aξ = ", square),
+      layerKey &&
+        isThere(group, layerKey) &&
+        trace(points[layerKey], `${words} on layer: `, square, compliance),
+      trace(drawn, `${words}: `, circle, measured),
     ].filter(Boolean);
-    const lines = !radius
-      ? []
-      : [
-          ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
-          ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
-        ].filter(([, value]) => value !== null && value !== undefined);
+    const lines = [
+      { label: "<i>R</i><sub>0g</sub>", value: group.mean_curvature_radius_mm.value, dash: "dot" },
+      { label: "<i>R</i><sub>g</sub>", value: group.loading_radius_mm.value, dash: "dash" },
+    ].filter(({ value }) => radius && value !== null);
     // Labels of lines that lie close together are moved apart.
     const heights = [
-      ...lines.map(([, value]) => value),
-      ...rows[key].flatMap((value, k) => [value - (std?.[k] ?? 0), value + (std?.[k] ?? 0)]),
-    ].filter(Number.isFinite);
+      ...lines.map(({ value }) => value),
+      ...drawn.flatMap(({ value, std }) => (value === null ? [] : [value - std, value + std])),
+    ];
     const range = Math.max(...heights) - Math.min(...heights);
-    const [one, other] = lines.map(([, value]) => Number(value));
+    const [one, other] = lines.map(({ value }) => value);
     const close = Math.abs(one - other) < 0.08 * range; // never where one is missing
     const upper = one >= other ? 0 : 1;
     try {
@@ -291,7 +285,7 @@ export class Plots {
         x: "normal load W (N)",
         y: title,
         fromZero,
-        shapes: lines.map(([, value, dash]) => ({
+        shapes: lines.map(({ value, dash }) => ({
           type: "line",
           xref: "paper",
           x0: 0,
@@ -300,16 +294,16 @@ export class Plots {
           y1: value,
           line: { color: ink, width: 1.3, dash },
         })),
-        annotations: lines.map(([label, value], k) => ({
+        annotations: lines.map(({ label, value }, k) => ({
           yshift: close ? (k === upper ? 8 : -8) : 0,
           xref: "paper",
           x: 1.01,
           xanchor: "left",
           y: value,
-          text: `${label} ${short(Number(value))}`,
+          text: `${label} ${short(value)}`,
         })),
         chosen: ({ pointIndex }) => {
-          const item = name(pointIndex);
+          const item = items[pointIndex];
           const source = item.includes("#") ? `sequence:${item.split("#")[0]}` : "images";
           location.hash = `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(item)}`;
         },

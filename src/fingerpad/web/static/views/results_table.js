@@ -39,6 +39,11 @@ function labelParts(label) {
   return /^.$|_/.test(first) ? [symbolParts(first), label.slice(first.length)] : label;
 }
 
+/** @typedef {Record<string, any>} Row */
+
+/** Whether a cell holds a count or a quantity. */
+const isNumber = (value) => typeof value === "number" || value?.words !== undefined;
+
 const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 
 export class Table {
@@ -111,13 +116,12 @@ export class Table {
   }
 
   #draw() {
-    const { columns, rows, words, matching, total } = this.answer;
+    const { columns, rows, matching, total } = this.answer;
     const { offset } = this.asked;
-    const stds = new Set(columns.map(({ std }) => std).filter(Boolean));
     const known = new Map(columns.map((column) => [column.key, column]));
     const layered = workspace.study.fingers.some(({ table }) => table.effective_thickness_mm !== undefined);
     const shown = this.all
-      ? columns.filter(({ key }) => !stds.has(key) && key !== "observation")
+      ? columns.filter(({ key }) => key !== "observation")
       : SHOWN.filter((key) => layered || !ON_LAYER.includes(key))
           .map((key) => known.get(key))
           .filter(Boolean);
@@ -141,7 +145,7 @@ export class Table {
       render(this.table, h("p.soft.no-rows", "No rows match the filters."));
       return;
     }
-    const numeric = (key) => rows.some((row) => typeof row[key] === "number");
+    const numeric = (key) => rows.some((row) => isNumber(row[key]));
     render(this.table, [
       tableOf(
         "table.tight",
@@ -149,7 +153,7 @@ export class Table {
           this.#header({ key: "observation", label: "Contact", words: "name of the observation" }, false),
           ...shown.map((column) => this.#header(column, numeric(column.key))),
         ],
-        rows.map((row, index) =>
+        rows.map((row) =>
           h("tr", [
             h("th", { scope: "row" }, [
               this.#link(row),
@@ -161,7 +165,7 @@ export class Table {
                 .filter(Boolean)
                 .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
             ]),
-            shown.map(({ key }) => this.#cell(row, words[index], key, numeric(key))),
+            shown.map(({ key }) => this.#cell(row, key, numeric(key))),
           ]),
         ),
       ),
@@ -174,7 +178,7 @@ export class Table {
     this.more.hidden = scrollWidth <= clientWidth;
   }
 
-  /** @param {Answers["Rows"]["rows"][number]} row */
+  /** @param {Row} row */
   #link(row) {
     if (!row.item || !row.file) return h("span", row.observation);
     const source = row.sequence ? `sequence:${row.sequence}` : "images";
@@ -218,24 +222,16 @@ export class Table {
     );
   }
 
-  /**
-   * @param {Answers["Rows"]["rows"][number]} row
-   * @param {Answers["Rows"]["words"][number]} words
-   * @param {string} key of its column
-   * @param {boolean} isNumber whether numbers stand in it
-   */
-  #cell(row, words, key, isNumber) {
+  /** @param {Row} row @param {string} key of its column @param {boolean} numeric whether it has numbers */
+  #cell(row, key, numeric) {
     const value = row[key];
     if (key === "status")
       return h("td", [
         chip(value, KIND[value] ?? "", row.reason || undefined),
         row.reason && h("div.soft.reason", row.reason),
       ]);
-    if (typeof value === "number") return h("td.number", words[key] ?? String(value));
-    return h(
-      isNumber ? "td.number" : "td",
-      value === null || value === undefined || value === "" ? h("span.soft", "–") : String(value),
-    );
+    const unknown = value === null || value === undefined || value === "";
+    return h(numeric ? "td.number" : "td", unknown ? h("span.soft", "–") : (value.words ?? String(value)));
   }
 
   close() {

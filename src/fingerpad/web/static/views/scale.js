@@ -285,7 +285,7 @@ class Scales {
   /** @param {ScaleMeasurement} answer */
   #showResult(answer) {
     this.answer = answer;
-    this.stage.setScale(answer.mm_per_px);
+    this.stage.setScale(answer.mm_per_px.value);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
     this.grid.setAttribute(
       "d",
@@ -294,9 +294,9 @@ class Scales {
     if (this.way === "line") this.line.write(`${this.table.length_mm} mm`);
     render(this.result, [
       h("h3", "Scale"),
-      h("p.figure-big.number", { "data-live": "scale" }, answer.words.mm_per_px),
+      h("p.figure-big.number", { "data-live": "scale" }, answer.mm_per_px.words),
       h("p.soft.number", [
-        answer.words.resolution_ppi,
+        answer.resolution_ppi.words,
         answer.relative_std > 0
           ? `, relative uncertainty ${short(answer.relative_std * 100, 2)} %`
           : ", uncertainty not stated",
@@ -304,7 +304,7 @@ class Scales {
       answer.coin &&
         h("p.soft.number", [
           `${this.way === "circle" ? "circle" : "coin"}: radius `,
-          answer.coin.words.radius_px,
+          answer.coin.radius_px.words,
         ]),
       answer.grid && gridWords(answer.grid),
       flagNote(answer.flags),

@@ -17,7 +17,7 @@ export function gridWords(grid) {
       ["Sides of a pixel differ by", few(grid.anisotropy)],
       ["Scale differs over the grid by", few(grid.variation)],
       ["Left once rectified", few(grid.unevenness)],
-      ["Once rectified", grid.words.rectified_mm_per_px],
+      ["Once rectified", grid.rectified_mm_per_px.words],
     ].map(([words, value]) => [h("dt", words), h("dd", value)]),
   ]);
 }

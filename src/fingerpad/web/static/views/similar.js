@@ -58,9 +58,9 @@ class Card {
   }
 
   #describe(now, then) {
-    const area = (answer) => answer.numbers.gross_area_mm2;
+    const area = (answer) => answer.numbers.gross_area_mm2.value;
     render(this.words, [
-      h("p.number", `Area ${then.numbers.words.gross_area_mm2}`),
+      h("p.number", `Area ${then.numbers.gross_area_mm2.words}`),
       h(
         "p.soft.number",
         now ? `${signedPercent(area(then) / area(now) - 1)} from now` : "No contact is found now.",

@@ -41,7 +41,7 @@ export class FingerTable {
 
   /** @param {Finger} finger */
   #finger(finger) {
-    const { name, photographs, words, effective_thickness_mm: thickness } = finger;
+    const { name, photographs, semi_axes_mm: axes, effective_thickness_mm: thickness } = finger;
     return row(
       cell(
         h("strong", name),
@@ -52,9 +52,9 @@ export class FingerTable {
         " ",
         staleChip(name, "out of date"),
       ),
-      AXES.map(([axis]) => h("td.number", words[`semi_axes_mm.${axis}`] ?? "–")),
+      AXES.map(([axis]) => h("td.number", axes?.[axis].words ?? "–")),
       h("td.number", [
-        button(thickness === null ? "Enter" : words.effective_thickness_mm, () => this.#thickness(finger), {
+        button(thickness.value === null ? "Enter" : thickness.words, () => this.#thickness(finger), {
           kind: "small",
           label: `Thickness of ${name}`,
           title: "Effective thickness over bone",

@@ -210,7 +210,7 @@ export class StudyTables {
       cell(one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
       cell(one.finger ?? "–"),
       cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
-      h("td.number", one.loading_radius_mm ? one.words.loading_radius_mm : one.file ? "from the curve" : "–"),
+      h("td.number", one.file ? "from the curve" : one.loading_radius_mm.words),
       cell(statusChip(one)),
       cell(this.removal("curve", one.key, one.file ?? "this radius", name)),
     );
