@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import typer.testing
-from filelock import FileLock
 from hypothesis import settings
+from tests.once import made_once
 
 DEMO = Path(__file__).parents[1] / "examples" / "dzidek2017"
 
@@ -38,32 +38,24 @@ def session_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def run_demo(session_folder: Path) -> Path:
     """Return the demo study with the results of a run, which no test may change."""
-    # The process that only distributes the tests need not import them.
-    from fingerpad.report import write_report  # noqa: PLC0415
-    from fingerpad.study.pipeline import run_study  # noqa: PLC0415
-
-    folder = session_folder / "run-demo"
-    with FileLock(f"{folder}.lock"):
-        if not (folder / "results" / "report.html").exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            shutil.copytree(DEMO, folder)
-            run_study(folder / "study.toml", folder / "results", write_report=write_report)
-    return folder
+    return made_once(session_folder / "run-demo", lambda folder: run_of(shutil.copytree(DEMO, folder)))
 
 
 @pytest.fixture(scope="session")
 def run_example(session_folder: Path) -> Path:
     """Return the example of `fingerpad init` with the results of a run, which no test may change."""
-    from fingerpad.report import write_report  # noqa: PLC0415
     from fingerpad.study.editing.template import write_example  # noqa: PLC0415
+
+    return made_once(session_folder / "run-example", lambda folder: run_of(write_example(folder).parent))
+
+
+def run_of(folder: Path) -> None:
+    """Run a study into its folder ``results``."""
+    # The process that only distributes the tests need not import them.
+    from fingerpad.report import write_report  # noqa: PLC0415
     from fingerpad.study.pipeline import run_study  # noqa: PLC0415
 
-    folder = session_folder / "run-example"
-    with FileLock(f"{folder}.lock"):
-        if not (folder / "results" / "report.html").exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            run_study(write_example(folder), folder / "results", write_report=write_report)
-    return folder
+    run_study(folder / "study.toml", folder / "results", write_report=write_report)
 
 
 @pytest.fixture

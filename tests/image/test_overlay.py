@@ -1,6 +1,7 @@
-"""The overlay: what is drawn lies where it was measured."""
+"""Overlays of contacts and of photographs: what is drawn lies where it was measured."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,86 +9,138 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import Scale, draw_overlay, measure_contact_image, write_overlay
-from fingerpad.image.overlay import ELLIPSE_COLOUR
-from fingerpad.simulate import render_contact_image
+from fingerpad.image import (
+    Scale,
+    draw_overlay,
+    measure_contact_image,
+    measure_photograph,
+    overlay,
+    write_overlay,
+)
+from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR, write_text
+from fingerpad.simulate import render_contact_image, render_finger
 
 
 @cache
-def truth():
-    return render_contact_image(seed=1, orientation=0.4)
+def contact():
+    truth = render_contact_image(seed=1, orientation=0.4)
+    return truth, measure_contact_image(truth.pixels, Scale.of_ppi(500))
 
 
 @cache
-def found():
-    return measure_contact_image(truth().pixels, Scale.of_ppi(500))
+def photograph():
+    truth = render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
+    return truth, measure_photograph(truth.pixels, "palmar", Scale(0.08))
 
 
-def near(canvas, colour, tolerance=40):
+both = pytest.mark.parametrize("made", [contact, photograph])
+
+
+def near(canvas, colour, tolerance=12):
     return np.abs(canvas.astype(int) - colour).max(axis=-1) < tolerance
 
 
 def test_small_images_enlarged():
-    canvas = draw_overlay(truth().pixels, found())
+    truth, found = contact()
+    canvas = draw_overlay(truth.pixels, found)
     assert canvas.dtype == np.uint8
-    zoom = canvas.shape[0] // truth().pixels.shape[0]
-    assert canvas.shape == (zoom * truth().pixels.shape[0], zoom * truth().pixels.shape[1], 3)
+    zoom = canvas.shape[0] // truth.pixels.shape[0]
+    assert canvas.shape == (zoom * truth.pixels.shape[0], zoom * truth.pixels.shape[1], 3)
     assert max(canvas.shape) >= 1000
 
 
 def test_ellipse_position():
-    canvas = draw_overlay(truth().pixels, found())
-    zoom = canvas.shape[0] // truth().pixels.shape[0]
-    place = np.argwhere(near(canvas, ELLIPSE_COLOUR)) / zoom - np.array(found().centroid)
+    truth, found = contact()
+    canvas = draw_overlay(truth.pixels, found)
+    zoom = canvas.shape[0] // truth.pixels.shape[0]
+    place = np.argwhere(near(canvas, ELLIPSE_COLOUR, 40)) / zoom - np.array(found.centroid)
     tip = place[np.linalg.norm(place, axis=1).argmax()]
-    length = np.linalg.norm(tip) * truth().mm_per_px
-    assert length == pytest.approx(float(found().ellipse.semi_major), abs=0.15)
+    length = np.linalg.norm(tip) * truth.mm_per_px
+    assert length == pytest.approx(float(found.ellipse.semi_major), abs=0.15)
     # Tilted left when positive: up and left, or down and right, go together.
-    assert math.sin(math.atan2(tip[1], tip[0]) - found().orientation) == pytest.approx(0, abs=0.03)
+    assert math.sin(math.atan2(tip[1], tip[0]) - found.orientation) == pytest.approx(0, abs=0.03)
 
 
-def test_scale_bar_length():
-    white = np.full_like(truth().pixels, 255)
-    canvas = draw_overlay(white, found())
-    zoom = canvas.shape[0] // truth().pixels.shape[0]
-    dark = near(canvas[-40:], (20, 20, 20), 10)
-    longest = max(sum(row) for row in dark)
-    assert longest * truth().mm_per_px / zoom == pytest.approx(2, abs=0.05)
+def test_points_on_outline():
+    truth, found = photograph()
+    canvas = draw_overlay(truth.pixels, found)
+    assert canvas.dtype == np.uint8
+    assert max(canvas.shape) == 1100
+    zoom = canvas.shape[0] / truth.pixels.shape[0]
+    place = np.argwhere(near(canvas, POINT_COLOUR))
+    place = (place[place[:, 0] > 130] + 0.5) / zoom - 0.5
+    true = truth.arc_points(2000)
+    away = np.linalg.norm(place[:, None] - true[::10], axis=2).min(axis=1)
+    assert len(place) > 500
+    assert np.quantile(away, 0.95) < 4 / zoom + 1.5
 
 
-def test_label_in_corner():
-    plain, labelled = (
-        draw_overlay(truth().pixels, found()),
-        draw_overlay(truth().pixels, found(), label="synthetic"),
-    )
+@pytest.mark.parametrize(("made", "length"), [(contact, 2), (photograph, 5)])
+def test_scale_bar_length(made, length):
+    truth, found = made()
+    canvas = draw_overlay(np.full_like(truth.pixels, 255), found)
+    longest = near(canvas[-40:], (20, 20, 20)).sum(axis=1).max()
+    bar = longest * truth.mm_per_px * truth.pixels.shape[0] / canvas.shape[0]
+    assert bar == pytest.approx(length, abs=0.1)
+
+
+@pytest.mark.parametrize(("made", "within"), [(contact, (500, 500)), (photograph, (200, 600))])
+def test_label_in_corner(made, within):
+    truth, found = made()
+    plain, labelled = (draw_overlay(truth.pixels, found, label=label) for label in (None, "synthetic"))
     changed = np.argwhere((plain != labelled).any(axis=-1))
     assert changed.size
-    assert (changed.max(axis=0) < np.array(plain.shape[:2]) / 2).all()
+    assert (changed.max(axis=0) < within).all()
+
+
+def test_large_deep_photographs_are_reduced():
+    truth, found = photograph()
+    large = truth.pixels.astype(np.uint16).repeat(3, axis=0).repeat(3, axis=1) * 257
+    assert max(draw_overlay(large, found).shape) == 1100
+
+
+def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
+    written = []
+
+    def write(canvas, text, corner, width, colour=overlay.INK):
+        written.append(text)
+        write_text(canvas, text, corner, width, colour)
+
+    monkeypatch.setattr(overlay, "write_text", write)
+    truth, found = photograph()
+    canvas = draw_overlay(np.zeros_like(truth.pixels), replace(found, flags=frozenset({"not_an_ellipse"})))
+    assert "not an ellipse" in written
+    assert not any("_" in text for text in written)
+    assert sum(" mm" in text and ("±" in text) == (not overlay._ASCII) for text in written) == 2
+    # Letters of the first line are at least 7 px high where the picture is 300 px wide.
+    rows = np.flatnonzero(near(canvas[: overlay._LINE_PX + 4], overlay.INK, 40).any(axis=1))
+    assert np.ptp(rows) * 300 / canvas.shape[1] >= 7
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32])
 def test_overlay_independent_of_depth(dtype):
-    deep = truth().pixels.astype(dtype) * 257
-    off = draw_overlay(deep, found()).astype(int) - draw_overlay(truth().pixels, found())
+    truth, found = contact()
+    deep = truth.pixels.astype(dtype) * 257
+    off = draw_overlay(deep, found).astype(int) - draw_overlay(truth.pixels, found)
     assert np.abs(off).mean() < 8
 
 
-def test_written_file_equals_drawing(tmp_path):
-    path = write_overlay(tmp_path / "overlay.png", truth().pixels, found(), label="synthetic")
-    np.testing.assert_array_equal(
-        np.asarray(Image.open(path)), draw_overlay(truth().pixels, found(), label="synthetic")
-    )
+@both
+def test_written_file_equals_drawing(tmp_path, made):
+    truth, found = made()
+    path = write_overlay(tmp_path / "overlay.png", truth.pixels, found, label="synthetic")
+    drawn = draw_overlay(truth.pixels, found, label="synthetic")
+    np.testing.assert_array_equal(np.asarray(Image.open(path)), drawn)
+    for name in ("none/overlay.png", "overlay.unknown"):
+        with pytest.raises(ImageError, match="cannot be written"):
+            write_overlay(tmp_path / name, truth.pixels, found)
 
 
-def test_other_picture_refused():
-    with pytest.raises(ImageError, match="shape"):
-        draw_overlay(truth().pixels[5:], found())
-
-
-@pytest.mark.parametrize("name", ["none/overlay.png", "overlay.unknown"])
-def test_unwritable_path(tmp_path, name):
-    with pytest.raises(ImageError, match="cannot be written"):
-        write_overlay(tmp_path / name, truth().pixels, found())
+@both
+def test_other_picture_refused(made):
+    truth, found = made()
+    with pytest.raises(ImageError, match=r"shape|the photograph that was measured"):
+        draw_overlay(truth.pixels[:150], found)
 
 
 def test_scale_of_a_small_contact():

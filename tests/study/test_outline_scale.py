@@ -52,7 +52,7 @@ def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path: Path) ->
     spreads, radii = {}, {}
     for scale in ("camera", "other"):
         (folder := tmp_path / scale).mkdir()
-        made = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=100)
+        made = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=50)
         write_curve(folder / "curve.csv", made)
         of_areas = curve(file="curve.csv", scale=scale)
         result = study(folder, {"scale": "camera"}, of_areas)

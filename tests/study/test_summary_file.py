@@ -1,10 +1,10 @@
 """The content of summary.json: every key described, nothing lost between writing and reading."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
-from tests.study.test_versions import make_study
 
 import fingerpad as fp
 from fingerpad.study.results.output import summary_of
@@ -19,9 +19,9 @@ def keys(content: object, place: str = "") -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("summary")
-    return fp.run_study(make_study(folder), folder / "out"), folder / "out"
+def result(pinned_run, tmp_path_factory):
+    out = tmp_path_factory.mktemp("summary") / "out"
+    return fp.run_study(pinned_run, shutil.copytree(pinned_run.with_name("out"), out)), out
 
 
 def test_every_key_says_what_it_is() -> None:
