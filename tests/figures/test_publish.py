@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
-from typer.testing import CliRunner
+from tests import command
 
-from fingerpad.cli import app
 from fingerpad.exceptions import FigureError
 from fingerpad.figures import (
     new_panels,
@@ -43,6 +42,10 @@ def figure():
     return made
 
 
+def data_of(figure: Figure) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(figure_csv(figure))))
+
+
 @pytest.mark.parametrize("width_mm", [89.0, 190.0])
 def test_width_as_asked(figure, width_mm) -> None:
     settings = FigureSettings(width_mm=width_mm, height_mm=60.0, dpi=150)
@@ -56,7 +59,7 @@ def test_width_as_asked(figure, width_mm) -> None:
 
 
 def test_csv_has_the_plotted_data(figure) -> None:
-    rows = list(csv.DictReader(io.StringIO(figure_csv(figure))))
+    rows = data_of(figure)
     points = [row for row in rows if row["series"] == "Rgcorr"]
     columns = (("x", LOAD), ("y", VALUE), ("y_std", STD))
     for name, expected in columns:
@@ -68,7 +71,7 @@ def test_csv_has_the_plotted_data(figure) -> None:
 def test_csv_matches_what_matplotlib_draws(figure) -> None:
     (axes,) = draw_figure(with_settings(figure, FigureSettings(width_mm=100))).axes
     drawn = axes.containers[0][0].get_xydata()
-    points = [row for row in csv.DictReader(io.StringIO(figure_csv(figure))) if row["series"] == "Rgcorr"]
+    points = [row for row in data_of(figure) if row["series"] == "Rgcorr"]
     assert_allclose(drawn, [(float(row["x"]), float(row["y"])) for row in points])
 
 
@@ -96,7 +99,7 @@ def test_log_axes_can_be_linear() -> None:
 def test_a_band_about_a_power_law_has_its_low_side_below() -> None:
     figure, (panel,) = new_panels()
     plot_area_against_load(panel, [0.5, 1, 2], [46, 74, 117], exponent=0.67, exponent_std=0.01)
-    rows = [row for row in csv.DictReader(io.StringIO(figure_csv(figure))) if row["series"] == "band"]
+    rows = [row for row in data_of(figure) if row["series"] == "band"]
     assert rows
     assert all(float(row["y_low"]) <= float(row["y_high"]) for row in rows)
 
@@ -147,8 +150,8 @@ def test_from_the_command_line(figure, tmp_path) -> None:
     data.write_text(figure.to_json(), encoding="utf-8")
 
     def cli(*arguments) -> tuple[int, str]:
-        found = CliRunner().invoke(app, ["figure", str(data), "--out", *map(str, arguments)])
-        return found.exit_code, found.stderr
+        code, _, err = command.run("figure", data, "--out", *arguments)
+        return code, err
 
     out = tmp_path / "radius.png"
     assert cli(out, "--width-mm", 89, "--dpi", 100, "--x-range", "0.1:", "--x-scale", "log") == (0, "")
@@ -206,9 +209,7 @@ def test_a_contact_left_out_is_faded_and_named_so_in_the_data(plot) -> None:
     plot(panel, LOAD, VALUE, left_out=[False, True, False, False], synthetic=[0, 0, 0, 1])
     faded = [mark for mark in panel.marks if isinstance(mark, Points) and mark.alpha < 1]
     assert [mark.x.tolist() for mark in faded] == [[0.5]]
-    rows = list(csv.DictReader(io.StringIO(figure_csv(made))))
-    marked = {row["x"] for row in rows if "left out" in row["series"]}
-    assert marked == {"0.5"}
+    assert {row["x"] for row in data_of(made) if "left out" in row["series"]} == {"0.5"}
     assert 'opacity="0.4"' in figure_file(made, "svg", FigureSettings()).decode()
     assert 0.4 in [one[0].get_alpha() for one in draw_figure(made).axes[0].containers]
 

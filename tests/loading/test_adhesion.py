@@ -5,10 +5,10 @@ import pytest
 from benchmarks.claims.adhesion import judged
 from benchmarks.truth.adhesion import Sphere, records
 from numpy.testing import assert_allclose
-from typer.testing import CliRunner
+from tests import command
+from tests.studies import write_curve
 
 import fingerpad as fp
-from fingerpad.cli import app
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading import LoadingCurve, fit_adhesion, tabor_parameter
 from fingerpad.loading.law_registry import LAWS
@@ -139,15 +139,12 @@ def test_the_way_in_need_not_be_fitted(tmp_path) -> None:
     with pytest.raises(LoadingError, match="hertz is not adhesive"):
         fit_adhesion(curve, law="hertz")
     path = tmp_path / "press.csv"
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    table = np.stack(list(columns.values()), axis=-1)
-    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.8f")
-    result = CliRunner().invoke(app, ["fit", str(path), "--law", "jkr"])
-    assert result.exit_code == 0
-    assert "the way out alone" in result.stderr
-    assert "work_of_adhesion" in result.stdout
-    result = CliRunner().invoke(app, ["fit", str(path), "--law", "hertz"])
-    assert result.exit_code != 0
+    write_curve(path, curve)
+    code, out, err = command.run("fit", path, "--law", "jkr")
+    assert code == 0
+    assert "the way out alone" in err
+    assert "work_of_adhesion" in out
+    assert command.run("fit", path, "--law", "hertz")[0] != 0
 
 
 def test_without_a_pull_off_nothing_is_guessed() -> None:

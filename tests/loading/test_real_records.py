@@ -5,9 +5,8 @@ import re
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from tests import command
 
-from fingerpad.cli import app
 from fingerpad.loading import LoadingCurve, LoadingFit, find_cycles, fit_loading_curve, read_loading_curve
 
 DATA = Path(__file__).with_name("data")
@@ -74,7 +73,7 @@ def test_a_layer_that_no_finger_has_is_no_explanation() -> None:
 
 def test_the_command_line_takes_what_is_known() -> None:
     known = ["--thickness-mm", "inf", "--stage-compliance-mm-per-n", "0"]
-    done = CliRunner().invoke(app, ["fit", str(DATA / "chiaro_gel.csv"), "--radius-mm", "27.5", *known])
-    assert done.exit_code == 0, done.output
-    (value,) = re.findall(r"reduced modulus E\* .* ([\d.]+) ± [\d.]+ kPa", done.output)
+    code, out, _ = command.run("fit", DATA / "chiaro_gel.csv", "--radius-mm", "27.5", *known)
+    assert code == 0
+    (value,) = re.findall(r"reduced modulus E\* .* ([\d.]+) ± [\d.]+ kPa", out)
     assert abs(float(value) - 0.156) < 0.01

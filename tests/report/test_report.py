@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from tests.studies import finger, run
 
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report import write_report
@@ -200,13 +201,8 @@ def test_fingers_without_a_thickness_get_conditional_figures(demo: tuple[StudyRe
 
 
 def test_manifest_text_escaped(tmp_path: Path) -> None:
-    manifest = tmp_path / "study.toml"
-    manifest.write_text(
-        "title = '<script>alert(1)</script> & sons'\n[[fingers]]\nname = 'f'\n"
-        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
-    )
-    text = write_report(run_study(manifest, tmp_path / "out"), tmp_path / "out").read_text(encoding="utf-8")
+    result = run(tmp_path, finger(), title="<script>alert(1)</script> & sons")
+    text = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
     assert "<script>" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; sons" in text
     assert "No contact is given" in text
