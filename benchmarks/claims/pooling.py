@@ -91,7 +91,9 @@ def varying(count: int, relative_std: float, between: float, repeats: int, seed:
     return _score(*np.array(rows).T)
 
 
-def people(count: int, relative_std: float, repeats: int, seed: int = 0) -> Score:
+def people(
+    count: int, relative_std: float, repeats: int, seed: int = 0, *, fingers_as_people: bool = False
+) -> Score:
     """Score the mean over people of three fingers each, who differ by 10 %, their fingers by 5 %."""
     random, rows = np.random.default_rng([seed, 4]), []
     given: dict[str, Any] = {"quantity": "radius_from_indentation_mm", "study": "A", "synthetic": False}
@@ -101,7 +103,11 @@ def people(count: int, relative_std: float, repeats: int, seed: int = 0) -> Scor
         seen = seen * (1 + relative_std * random.normal(size=(count, 3)))
         (mean,) = means_of(
             Value(
-                value=value, std=relative_std * value, person=Person(f"P{p}", True), finger=f"f{f}", **given
+                value=value,
+                std=relative_std * value,
+                person=Person(f"P{p}f{f}" if fingers_as_people else f"P{p}", True),
+                finger=f"f{f}",
+                **given,
             )
             for (p, f), value in np.ndenumerate(seen)
         )
@@ -166,6 +172,8 @@ def _cases() -> Iterator[tuple[str, Callable[[int], Score]]]:
         yield f"{count} values to {level:.0%}, that differ by 10 %", partial(varying, count, level, 0.1)
     for level in levels:
         yield f"fingers of 8 people to {level:.0%}", partial(people, 8, level)
+    words = "fingers of 8 people to 3%, each taken for a person"
+    yield words, partial(people, 8, 0.03, fingers_as_people=True)
     for count, level, elongation in product((5, 10), levels, (0.2, 0.39)):
         words = f"{count} contacts to {level:.0%}, elongation {elongation:g}"
         yield words, partial(contacts, count, level, elongation)
