@@ -7,12 +7,13 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
-from tests.studies import finger, run
+from tests.studies import Table, contact, curve, finger, run
 
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report import write_report
-from fingerpad.report.text import moduli_apart, remedies
+from fingerpad.report.text import moduli_apart, remedies, to_measure_better
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
@@ -127,6 +128,31 @@ def test_the_answers_come_first_and_in_few_words(demo: tuple[StudyResult, str, P
         assert f"</span> {validity.verdict}" in row or f" {validity.verdict}</span></a>" in row
     assert "13.8 ± 4.6</td>" in table
     assert "49.2 ± 5.0<br><small>on bone</small>" in table
+
+
+def test_what_to_measure_better_stands_on_the_first_page(
+    demo: tuple[StudyResult, str, Path], tmp_path: Path
+) -> None:
+    page = re.sub(r"\s+", " ", unfolded(demo[1]))
+    assert "To measure better State the thickness of the tissue over bone of left_index_direct" in page
+    assert "Measure the wedge angle better: 97 % of the variance of the corrected radius" in page
+
+    def said(folder: str, wedge_std: float, ellipse_std: float, *tables: Table, repeats: int = 1) -> str:
+        noise = np.random.default_rng(2).normal(0, ellipse_std, repeats)
+        presses = [contact(f"c{k}", 2, (8 + off, 4.5), std=ellipse_std) for k, off in enumerate(noise)]
+        stated = {"wedge_angle_deg_std": wedge_std, "roll_angle_deg_std": 0}
+        result = run(tmp_path / folder, finger(std=0.01), *presses, *tables, uncertainty=stated)
+        return "; ".join(to_measure_better(result))
+
+    loading = curve(loading_radius_mm=14, loading_radius_mm_std=0.2)
+    angle = said("angle", 3, 0.01)
+    assert "measure the wedge angle better" in angle
+    assert "record a loading curve of f" in angle
+    assert "press again under one load" in angle
+    ellipse = said("ellipse", 0, 0.3, loading, repeats=6)
+    assert "take more contacts" in ellipse
+    assert "loading curve" not in ellipse
+    assert "press again" not in ellipse
 
 
 def test_doubtful_input_stands_above_the_figures(demo: tuple[StudyResult, str, Path], tmp_path: Path) -> None:

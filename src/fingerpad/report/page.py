@@ -70,6 +70,7 @@ def write_page(
             failed=result.failed_contacts,
             notes=result.notes,
             odd=[*text.implausible_values(result), *text.moduli_apart(found)],
+            better=list(text.to_measure_better(result)),
             most_failed=_MOST_FAILED,
             corrected=list(records(result.corrected[:_MOST_FAILED])),
             corrections=len(result.corrected),

@@ -62,10 +62,27 @@ _REMEDIES: Final[Mapping[str, str]] = {
     "modulus_on_layer": "check the thickness, and the scales of area and displacement",
 }
 
+# What makes a source of uncertainty smaller. Of a pad's shape and Poisson's ratio nothing does.
+_SMALLER: Final[Mapping[str, str]] = {
+    "semi-axes": "measure the semi-axes better, as by photographs of more faces",
+    "wedge angle": "measure the wedge angle better",
+    "roll angle": "measure the roll angle better",
+    "jig angle": "measure the pose of the jig better",
+    "image scale": "calibrate the scale better, as by a grid",
+    "contact edge": "take pictures with a sharper contact edge",
+    "load": "measure the load better",
+    "force gain": "calibrate the force better",
+    "contact ellipse": "take more contacts",
+    "repeatability": "take more contacts",
+    "scatter": "take more contacts",
+}
+_LARGE_SHARE: Final = 0.3
+
 # Moduli of a finger further apart than these, in standard uncertainties and as a ratio, under loads that
 # differ by no more than the last, are not of one tissue.
 _MOST_APART, _FAR_APART, _LIKE_LOADS = 3.0, 1.2, 1.25
 
+_MOST_NAMED: Final = 3
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"
 _AXIS_WORDS: Final[Mapping[str, str]] = {
     "palmar": "palmar",
@@ -137,6 +154,56 @@ def to_do(rows: pd.DataFrame) -> Iterator[str]:
     codes = dict.fromkeys(code for cell in cells for code in (cell or "").split())
     for flag in contact_flags(" ".join(codes)):
         yield f"{flag.words}: {flag.to_do}"
+
+
+def to_measure_better(result: StudyResult) -> Iterator[str]:
+    """Yield what would tell most more: of the tissue, of loading, of repeats, and of the largest uncertainty.
+
+    Synthetic contacts are passed over where there are real ones.
+    """
+    synthetic = all(summary.synthetic for summary in result.summaries)
+    placed = [
+        (summary, validity)
+        for summary, validity in zip(result.summaries, result.validities, strict=True)
+        if summary.corrected_radius and summary.synthetic == synthetic
+    ]
+    if not placed:
+        return
+    bare = {
+        summary.finger: None
+        for summary, validity in placed
+        if summary.layer is None and validity.verdict in {STRAINED, FAILS}
+    }
+    if bare:
+        yield f"state the thickness of the tissue over bone of {_joined(bare)}, where Hertz theory is off"
+    untested = {
+        one.finger: None for one, _ in placed if not loading_radius(result.curves, one.finger_and_wedge)
+    }
+    if untested:
+        yield f"record a loading curve of {_joined(untested)}: no contact image tests its own modulus"
+    if not result.repeatability[synthetic].known:
+        yield (
+            "press again under one load, four times or more: no ± holds what another impression would change"
+        )
+    shares: Counter[str] = Counter()
+    for summary, _ in placed:
+        if summary.corrected_radius is not None:
+            shares.update(summary.corrected_radius.budget)
+    source = max(_SMALLER, key=lambda name: shares[name])
+    if (share := shares[source] / len(placed)) > _LARGE_SHARE:
+        from_what = "it" if source in _SMALLER[source] else source
+        yield (
+            f"{_SMALLER[source]}: {100 * share:.0f} % of the variance of the corrected radius, apart from "
+            f"the theory's own error, comes from {from_what}"
+        )
+
+
+def _joined(names: Iterable[str]) -> str:
+    """Return some names, or how many of several."""
+    listed = list(names)
+    *first, last = listed[:_MOST_NAMED]
+    more = f" and {len(listed) - _MOST_NAMED} more" if len(listed) > _MOST_NAMED else ""
+    return f"{', '.join([*first, last])}{more}" if more or not first else f"{', '.join(first)} and {last}"
 
 
 def placement_words(summary: Summary) -> str:
