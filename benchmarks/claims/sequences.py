@@ -22,8 +22,8 @@ from fingerpad.simulate import render_sequence
 PPI, FPS = 300.0, 50.0
 
 
-def press_accuracy() -> None:
-    """Print area errors through a press and release, one reading against one for each frame."""
+def report() -> None:
+    """Print area errors through a press and release, one reading against one for each frame, and speed."""
     times = np.arange(0, 4, 1 / FPS)
     load = np.interp(times, [0, 0.5, 1.5, 2.5, 3.5, 4], [0, 0, 2, 2, 0, 0])
     rows: list[tuple[object, ...]] = []
@@ -44,18 +44,15 @@ def press_accuracy() -> None:
             held: list[int] = []
             for phase in ("loading", "hold", "unloading"):
                 chosen = [r for r in results if r.phase == phase and r.measures is not None]
-                areas = np.array([r.measures["gross_area_mm2"] for r in chosen if r.measures is not None])
-                errors = 100 * (areas / press.gross_area[[r.index for r in chosen]] - 1)
-                rows.append(_cells(look, phase, errors))
+                areas = [r.measures["gross_area_mm2"] for r in chosen if r.measures is not None]
+                rows.append(_cells(look, phase, areas, press.gross_area[[r.index for r in chosen]]))
                 held = [r.index for r in chosen] if phase == "hold" else held
             alone = [
                 measure_contact_image(frame.pixels, scale).gross_area
                 for frame in frames
                 if frame.index in held and frame.pixels is not None
             ]
-            rows.append(
-                _cells(look, "hold, each alone", 100 * (np.array(alone) / press.gross_area[held] - 1))
-            )
+            rows.append(_cells(look, "hold, each alone", alone, press.gross_area[held]))
             speeds.append(f"{look} {len(results) / spent:.0f}")
     table(
         ("look", "phase", "frames", "mean error of the area", "spread", "step to step"),
@@ -65,11 +62,7 @@ def press_accuracy() -> None:
     print(f"\nFrames a second, learning included: {', '.join(speeds)}.")
 
 
-def _cells(look: str, phase: str, errors: FloatArray) -> tuple[object, ...]:
+def _cells(look: str, phase: str, areas: list[float], truth: FloatArray) -> tuple[object, ...]:
+    errors = 100 * (areas / truth - 1)
     spread, steps = f"{errors.std():.2f} %", f"{np.diff(errors).std():.2f} %"
     return look, phase, errors.size, f"{errors.mean():+.2f} %", spread, steps
-
-
-def report() -> None:
-    """Print errors and speed."""
-    press_accuracy()

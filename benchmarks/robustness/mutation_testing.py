@@ -135,25 +135,16 @@ def _pytest(
     copy: Path, paths: list[str], *options: str, seconds: float | None = None, **environment: str
 ) -> tuple[int, str]:
     """Run those tests of the copy that a change reaches; return pytest's exit code and what it printed."""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "testmon.pytest_testmon",
-        "--testmon-forceselect",
-        *options,
-        *paths,
-    ]
-    known = (
-        os.environ | {"PYTHONPATH": f"{copy / 'src'}:{copy}", "PYTHONDONTWRITEBYTECODE": "1"} | environment
-    )
+    command = ["-m", "pytest", "-xq", "-n0", "-p", "testmon.pytest_testmon", "--testmon-forceselect"]
+    known = {"PYTHONPATH": f"{copy / 'src'}:{copy}", "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(
-        command, cwd=copy, env=known, capture_output=True, text=True, check=False, timeout=seconds
+        [sys.executable, *command, *options, *paths],
+        cwd=copy,
+        env=os.environ | known | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=seconds,
     )
     return done.returncode, done.stdout + done.stderr
 
