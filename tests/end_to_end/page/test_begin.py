@@ -1,14 +1,22 @@
 """New studies: files, scale, run, export and import."""
 
+import math
 import re
 import shutil
 import tomllib
 import zipfile
+from pathlib import Path
 
 import pytest
+from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import DEMO, Tab, box, drag, focus, middle, settle, stroke
+from tests.studies import PAD
 from tests.waiting import wait_until
+
+from fingerpad.contact import Tissue, hertz_contact
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.simulate import render_contact_image
 
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
@@ -352,3 +360,47 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
+
+
+def test_area_against_load_of_six_prints_takes_at_most_20_actions(empty_tab: Tab, tmp_path) -> None:
+    """Cameras name pictures by number, the finger's semi-axes are not known, and loads are written down."""
+    page, taken = empty_tab.open(), 0
+
+    def act(do, *arguments) -> None:
+        nonlocal taken
+        taken += 1
+        do(*arguments)
+
+    loads = {f"IMG_{31 + number:04}.png": load for number, load in enumerate(("0,3", "0,5", *"1234"))}
+    for file, load in loads.items():
+        synthetic_print(float(load.replace(",", ".")), tmp_path / file)
+    act(page.get_by_label("Title").fill, "Prints")
+    act(page.keyboard.press, "Enter")
+    page.get_by_role("heading", name="Prints").wait_for()
+    act(page.set_input_files, "input[type=file][multiple]", sorted(tmp_path.glob("IMG_*.png")))
+    page.get_by_role("heading", name="6 new files").wait_for()
+    act(page.get_by_label("Finger of all new files").fill, "left_index")
+    act(page.get_by_label("Wedge angle of all new files, degrees").fill, "30")
+    act(page.get_by_label("Scale of all new contact images").fill, "500 ppi")
+    for file, load in loads.items():
+        act(page.get_by_label(f"Load of {file}, newtons").fill, load)
+    act(page.get_by_role("button", name="Add to study").click)
+    page.get_by_text("6 files added.").wait_for()
+    act(page.get_by_role("link", name="Run the study").click)
+    act(page.get_by_role("button", name="Run", exact=True).click)
+    act(page.get_by_role("link", name="See the results").click)
+    page.locator(".chart .scatterlayer .point").first.wait_for()
+    expect(page.locator(".chart .ytitle")).to_contain_text("contact area")
+    expect(page.locator(".chart .scatterlayer .point")).to_have_count(6)
+    assert taken <= 20
+
+
+def synthetic_print(load: float, file: Path) -> None:
+    """Write a print of elliptical Hertz theory without a word of its scale."""
+    contact = hertz_contact(
+        Placement(Ellipsoid(**PAD), wedge_angle=math.radians(30)), Tissue(0.07), load=load
+    )
+    made = render_contact_image(
+        semi_major=float(contact.semi_major), semi_minor=float(contact.semi_minor), ppi=500, seed=1
+    )
+    Image.fromarray(made.pixels).save(file)
