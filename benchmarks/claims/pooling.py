@@ -147,7 +147,7 @@ def _contact(
     return contact(f"c{load:g}", load, axes, np.diag(np.square(relative_std * np.sort(axes)[::-1])))
 
 
-def report(repeats: int = 150) -> None:
+def report(repeats: int = 400) -> None:
     """Print bias and coverage of each mean: of its components the largest bias, and each coverage."""
     rows = ((words, *_cells(score(repeats))) for words, score in _cases())
     table(("mean", "largest bias, in uncertainties", "held by the 95 % interval"), rows)
