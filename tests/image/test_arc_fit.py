@@ -31,15 +31,15 @@ def test_exact_points(arc_deg, tilt):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
-def test_coverage_with_correlated_errors(reach):
-    fits = [fit_arc_ellipse(noisy(seed, reach=reach), (0.0, 0.02)) for seed in range(40)]
+@pytest.mark.parametrize(("reach", "least"), [(0.3, 0.93), (4.0, 0.88), (10.0, 0.78)])
+def test_coverage_with_correlated_errors(reach, least):
+    """Errors that reach far leave a few that are independent, and intervals that hold less often."""
+    fits = [fit_arc_ellipse(noisy(seed, reach=reach), (0.0, 0.02)) for seed in range(120)]
     found = np.array([fit.ellipse.semi_axes for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
-    held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
-    assert 0.85 <= held <= 1.0
-    scatter = found.std(axis=0)
-    np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), scatter, rtol=0.5)
+    assert np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated) > least
+    # The scatter of 120 is known to 6.5 %.
+    np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), found.std(axis=0), rtol=0.2)
 
 
 def test_correlation_estimate():

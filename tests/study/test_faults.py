@@ -4,7 +4,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from multiprocessing import get_context
@@ -14,7 +13,6 @@ from time import perf_counter
 import numpy as np
 import pytest
 from tests.study.small_study import FRAMES, PICTURES, PIECE, copy, copy_unfinished, run_here
-from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.runner import Progress
@@ -82,28 +80,6 @@ def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_pa
             assert process.exitcode == -signal.SIGKILL
     assert rows(small_study, out) == undisturbed
     assert not list(out.rglob("*.part"))
-
-
-@pytest.mark.nightly
-def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "fingerpad", "run", str(manifest), "--workers", "2"]
-    process = subprocess.Popen([*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL)
-    assert wait_until(lambda: len(workers_of(process.pid)) == 2)
-    children = workers_of(process.pid)
-    process.kill()
-    process.wait()
-    assert wait_until(lambda: not any(Path("/proc", child).exists() for child in children))
-
-
-def workers_of(parent: int) -> list[str]:
-    """Return the process numbers of the workers that a process started."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):  # it may end at any moment
-            after_name = (process / "stat").read_text().rpartition(")")[2].split()
-            if int(after_name[1]) == parent and b"engine.worker" in (process / "cmdline").read_bytes():
-                found.append(process.name)
-    return found
 
 
 def stored(out: Path) -> int:

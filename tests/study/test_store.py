@@ -145,16 +145,14 @@ def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
     assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
 
 
-@pytest.mark.parametrize("wanted", [1, pytest.param(3, marks=pytest.mark.nightly)])
-def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: list[dict], wanted: int) -> None:
-    folder = fresh
-    words = [sys.executable, "-m", "fingerpad", "run", str(folder), "--out", str(folder / "out")]
+def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: list[dict]) -> None:
+    words = [sys.executable, "-m", "fingerpad", "run", str(fresh), "--out", str(fresh / "out")]
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
+    assert wait_until(lambda: len(list((fresh / "out" / ".drawn").glob("*.png"))) > 1)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    measured, again = run(folder)
-    assert len(measured) <= COUNT - wanted + 1
+    measured, again = run(fresh)
+    assert len(measured) < COUNT
     assert again == rows
 
 
