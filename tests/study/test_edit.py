@@ -269,19 +269,26 @@ def test_two_editors_at_once(folder):
     assert [each.notes for each in read_study(folder / STUDY_NAME).observations] == ["done", "done"]
 
 
+WITH_ROWS = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+
+
+def with_rows(folder, *lines):
+    """Let the study read rows of a spreadsheet, and return the path of the latter."""
+    (folder / STUDY_NAME).write_text(WITH_ROWS)
+    path = folder / "more.csv"
+    path.write_text("\n".join([*lines, ""]))
+    return path
+
+
 def test_rows_of_a_spreadsheet_are_changed_there(folder):
-    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
-    (folder / STUDY_NAME).write_text(text)
     rows = ['row_1,left,30,1.5,a.png,500,"as, was"', "row_2,left,30,2,b.png,500,"]
-    (folder / "more.csv").write_text(
-        "\n".join(["name,finger,wedge_angle_deg,load_N,file,ppi,notes", *rows, ""])
-    )
+    path = with_rows(folder, "name,finger,wedge_angle_deg,load_N,file,ppi,notes", *rows)
     changed(
         folder,
         ("observation", "row_2", {"load_N": 2.25, "scale": "reader", "seed_px": [4, 5.5], "notes": None}),
         ("finger", "left", {"name": "right"}),
     )
-    lines = (folder / "more.csv").read_text().splitlines()
+    lines = path.read_text().splitlines()
     assert lines[1].startswith('row_1,right,30,1.5,a.png,500,"as, was"')
     rows = {each.name: each for each in read_study(folder / STUDY_NAME).observations}
     assert (rows["row_2"].load_N, rows["row_2"].scale, rows["row_2"].seed_px) == (2.25, "reader", [4, 5.5])
@@ -293,31 +300,26 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
         changed(folder, ("observation", "row_2", {"scale": {"line": [[1, 1], [2, 2]], "length_mm": 2}}))
     assert kept(folder) == before
     changed(folder, ("observation", "row_2", None))
-    assert "row_2" not in (folder / "more.csv").read_text()
+    assert "row_2" not in path.read_text()
 
 
 def test_a_spreadsheet_that_was_missing_is_read_once_it_is_there(folder):
-    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
-    (folder / STUDY_NAME).write_text(text)
+    (folder / STUDY_NAME).write_text(WITH_ROWS)
     before = loaded(folder)
     assert any("more.csv" in issue for issue in before.issues)
-    (folder / "more.csv").write_text(
-        "name,finger,wedge_angle_deg,load_N,file,ppi\nrow_1,left,30,1.5,a.png,500\n"
-    )
+    with_rows(folder, "name,finger,wedge_angle_deg,load_N,file,ppi", "row_1,left,30,1.5,a.png,500")
     assert not is_as_read(before)
     assert is_as_read(loaded(folder))
 
 
 def test_decimal_commas_and_semicolons_of_a_spreadsheet_stay(folder):
-    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
-    (folder / STUDY_NAME).write_text(text)
     header, row = (
         "name;finger;wedge_angle_deg;Load (N);file;ppi;seed_px",
         "row_1;left;22,5;1,5;a.png;500;3, 4.5",
     )
-    (folder / "more.csv").write_text(f"{header}\n{row}\n{row.replace('row_1', 'row_2')}\n")
+    path = with_rows(folder, header, row, row.replace("row_1", "row_2"))
     changed(folder, ("observation", "row_2", {"load_N": 2.25, "seed_px": [1.5, 2]}))
-    lines = (folder / "more.csv").read_text().splitlines()
+    lines = path.read_text().splitlines()
     assert lines == [header, row, "row_2;left;22,5;2,25;a.png;500;1.5, 2"]
     loads = {each.name: each.load_N for each in read_study(folder / STUDY_NAME).observations}
     assert (loads["row_1"], loads["row_2"]) == (1.5, 2.25)
@@ -325,14 +327,12 @@ def test_decimal_commas_and_semicolons_of_a_spreadsheet_stay(folder):
 
 @pytest.mark.parametrize("notes", ["=1+1", "'=1", "-1.5"])
 def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
-    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
-    (folder / STUDY_NAME).write_text(text)
     row = "row_{},left,30,1.5,-2.5,a.png,500,"
-    rows = ["name,finger,wedge_angle_deg,load_N,roll_angle_deg,file,ppi,notes", row.format(1), row.format(2)]
-    (folder / "more.csv").write_text("\n".join([*rows, ""]))
+    header = "name,finger,wedge_angle_deg,load_N,roll_angle_deg,file,ppi,notes"
+    path = with_rows(folder, header, row.format(1), row.format(2))
     changed(folder, ("observation", "row_1", {"notes": notes}))
     changed(folder, ("observation", "row_2", {"load_N": 2}))
-    with (folder / "more.csv").open(newline="") as file:
+    with path.open(newline="") as file:
         cells = [cell for line in csv.reader(file) for cell in line]
     assert [cell for cell in cells if cell.startswith(("=", "@", "-")) and cell not in {"-2.5", "-1.5"}] == []
     rows = {each.name: each for each in read_study(folder / STUDY_NAME).observations}
@@ -343,10 +343,9 @@ def test_names_of_corrected_sequences_fingers_and_rows_of_a_spreadsheet_stay(fol
     (folder / "frames").mkdir()
     (folder / "frames" / "1.png").write_bytes(b"a frame")
     (folder / "force.csv").write_text("time_s,force_N\n0,0\n1,1\n")
-    (folder / "more.csv").write_text(
-        "name,finger,wedge_angle_deg,load_N,file,ppi\nrow_1,left,30,1,a.png,500\nrow_2,left,30,1,a.png,500\n"
-    )
-    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    rows = (f"{name},left,30,1,a.png,500" for name in ("row_1", "row_2"))
+    with_rows(folder, "name,finger,wedge_angle_deg,load_N,file,ppi", *rows)
+    text = WITH_ROWS
     photographs = 'photographs = [{ face = "palmar", file = "c.png", scale = "reader" }, '
     photographs += '{ face = "distal", file = "b.png", scale = "reader" }]\n'
     text += "".join(f'[[fingers]]\nname = "{name}"\n{photographs}' for name in ("right", "rig"))
