@@ -25,7 +25,7 @@ def run_lab(seed: int, out: Path) -> list[Comparison]:
     return compare(truth, folder / "results")
 
 
-def report(labs: int = 12, first_seed: int = 300, jobs: int = 1) -> None:
+def report(labs: int = 24, first_seed: int = 300, jobs: int = 1) -> None:
     """Run labs and print their table, and how well the simulator does on known contacts."""
     checks = check_simulator()
     with TemporaryDirectory() as folder, ProcessPoolExecutor(jobs) as pool:
