@@ -25,7 +25,7 @@ def test_every_benchmark_says_what_it_measures_and_needs_no_argument(name):
 def test_help_names_the_keys_with_their_defaults(capsys):
     command.explain("photographs")
     shown = capsys.readouterr().out
-    assert shown.startswith("usage: python -m benchmarks photographs [count=96] [first=75000] [--store]")
+    assert shown.startswith("usage: python -m benchmarks photographs [count=192] [first=75000] [--store]")
     assert "rendered fingers" in shown
 
 

@@ -117,7 +117,7 @@ def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
     table(columns, cells(), f"{way}: {count} photographs, {count - len(done)} refused")
 
 
-def report(count: int = 96, first: int = 75_000) -> None:
+def report(count: int = 192, first: int = 75_000) -> None:
     """Print the table with marked ends, and without."""
     photograph_accuracy(count, first, marked=True)
     photograph_accuracy(count, first, marked=False)
