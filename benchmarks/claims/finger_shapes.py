@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from benchmarks.tables import Row, errors_table, off, share, stated, table
+from benchmarks.tables import Row, errors_table
 from benchmarks.truth import finger_shapes, fingertips
 from benchmarks.truth.finger_shapes import ShapedFinger
 from fingerpad.exceptions import FitError, ImageError
@@ -23,7 +23,6 @@ FAMILIES: Final[dict[str, Mapping[str, Draw]]] = {
     },
     "known curvature": {name: partial(fingertips.render, name) for name in fingertips.SHAPES},
 }
-WEDGES_DEG: Final = (15, 30, 45, 60)
 Finger: TypeAlias = tuple[str, ShapedFinger, PhotographFit | None]
 
 
@@ -50,36 +49,6 @@ def measure(truth: ShapedFinger) -> PhotographFit | None:
         return None
 
 
-def print_accuracy(family: str, count: int, seed: int) -> None:
-    """Print how well semi-axes and radii at the place of contact are found."""
-    done = list(measured(family, count, seed))
-    print_semi_axes(done)
-    print_radii(done, family)
-
-
-def print_radii(fingers: Iterable[Finger], of: str) -> None:
-    """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
-    rows: dict[str, list[tuple[float, float, float]]] = {}
-    for name, truth, found in fingers:
-        if found is None or truth.face != "radial":
-            continue
-        for angle in np.radians(WEDGES_DEG):
-            true, (radius, std) = truth.radius(angle), found.outline_radius(angle)
-            ellipse = found.ellipse_radius(angle)
-            rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
-    rows["all"] = [row for some in rows.values() for row in some]
-    table(
-        ("shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"),
-        (
-            (name, len(some), share(seen), off(e[seen]), stated(e[seen], s[seen]), off(by_ellipse))
-            for name, some in rows.items()
-            for e, s, by_ellipse in [np.array(some).T]
-            for seen in [np.isfinite(e)]
-        ),
-        f"Radius of curvature where a wedge touches, in the plane of a side face: outline alone, {of}",
-    )
-
-
 def print_semi_axes(fingers: Iterable[Finger]) -> None:
     """Print bias, spread, stated uncertainty and coverage of each shape's semi-axes."""
     rows: dict[str, list[Row]] = {}
@@ -97,4 +66,4 @@ def print_semi_axes(fingers: Iterable[Finger]) -> None:
 
 def report(count: int = 8, seed: int = 75) -> None:
     """Print errors, stated uncertainty and coverage by shape."""
-    print_accuracy("superellipses", count, seed)
+    print_semi_axes(measured("superellipses", count, seed))

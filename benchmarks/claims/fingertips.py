@@ -1,8 +1,8 @@
-"""Photographs of fingertips of known curvature: semi-axes, and the radius at the place of contact."""
+"""Photographs of fingertips of known curvature: bias, stated uncertainty and coverage of the semi-axes."""
 
-from benchmarks.claims.finger_shapes import print_accuracy
+from benchmarks.claims.finger_shapes import measured, print_semi_axes
 
 
 def report(count: int = 8, seed: int = 75) -> None:
     """Print errors, stated uncertainty and coverage by shape."""
-    print_accuracy("known curvature", count, seed)
+    print_semi_axes(measured("known curvature", count, seed))

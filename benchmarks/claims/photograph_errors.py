@@ -1,19 +1,22 @@
 """What the skin's roughness leaves unknown of an axis, and the radius of curvature where a wedge touches."""
 
 import math
+from collections.abc import Iterable
+from typing import Final
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims.finger_shapes import FAMILIES, measured, print_radii
-from benchmarks.tables import percent, table
+from benchmarks.claims.finger_shapes import FAMILIES, Finger, measured
+from benchmarks.tables import off, percent, share, stated, table
 from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.simulate._finger_shape import finger_shape, pad_arc
 
 Array = npt.NDArray[np.float64]
 
 _ROUGHNESS_MM, _DRAWS = 0.015, 200
+WEDGES_DEG: Final = (15, 30, 45, 60)
 
 
 def _on_arc(points: Array, semi_axes: tuple[float, float], arc: tuple[float, float], step: int) -> Array:
@@ -40,6 +43,29 @@ def print_roughness() -> None:
         rows.append((f"{arc_deg}°", percent(float(np.std(lengths)))))
     title = f"Axis along a fingertip seen end on, roughness of {_ROUGHNESS_MM} mm alone, {_DRAWS} draws"
     table(("arc", "standard deviation"), rows, title)
+
+
+def print_radii(fingers: Iterable[Finger], of: str) -> None:
+    """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
+    rows: dict[str, list[tuple[float, float, float]]] = {}
+    for name, truth, found in fingers:
+        if found is None or truth.face != "radial":
+            continue
+        for angle in np.radians(WEDGES_DEG):
+            true, (radius, std) = truth.radius(angle), found.outline_radius(angle)
+            ellipse = found.ellipse_radius(angle)
+            rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
+    rows["all"] = [row for some in rows.values() for row in some]
+    table(
+        ("shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"),
+        (
+            (name, len(some), share(seen), off(e[seen]), stated(e[seen], s[seen]), off(by_ellipse))
+            for name, some in rows.items()
+            for e, s, by_ellipse in [np.array(some).T]
+            for seen in [np.isfinite(e)]
+        ),
+        f"Radius of curvature where a wedge touches, in the plane of a side face: outline alone, {of}",
+    )
 
 
 def report(seed: int = 85, sides: int = 5) -> None:

@@ -35,7 +35,7 @@ from fingerpad.study.measuring.context import OneTaskItem, RunContext
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
-# follows its outlines; more where the outline hides that place. See benchmarks/claims/finger_shapes.py.
+# follows its outlines; more where the outline hides that place. See benchmarks/claims/photograph_errors.py.
 ELLIPSOID_STD: Final = 0.1
 HIDDEN_STD: Final = 0.2
 
