@@ -99,7 +99,6 @@ class IndependentImage(TrueImage):
     ground: float  # grey of untouched glass at the contact's centre, without noise, in units of `pixels`
     condition: Condition
     outline: np.ndarray  # points x, y
-    is_ellipse: bool
     centre: np.ndarray  # centroid of the gross area
     orientation: float  # of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]
 
@@ -138,7 +137,6 @@ def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
         ground=ground,
         condition=condition,
         outline=contact.outline.points() + centre,
-        is_ellipse=not contact.outline.terms,
         centre=centroid + centre,
         orientation=orientation,
     )

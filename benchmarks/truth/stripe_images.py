@@ -5,10 +5,9 @@ an orientation field as well as it can (Knöppel et al., ACM Trans. Graph. 34, 2
 minutiae. The skin overlaps the glass by t, which vanishes on the outline and rises over some tenths of a
 mm to 1.5 mm; a ridge of profile |sin φ/2|^e touches where this is less than t, in units of its height.
 
-The gross area is that inside the outline, where overlap and so mean pressure vanish; `hull_area` is that of
-the convex hull of all that touches. The ridge area is what touches inside the outline, without pores, on a
-grid of at least four lines per pixel; sweat beside a ridge is none. Semi-axes are those of equal second
-moments: the ellipse's own where the outline is one.
+The gross area is that inside the outline, where overlap and so mean pressure vanish. The ridge area is what
+touches inside it, without pores, on a grid of at least four lines per pixel; sweat beside a ridge is none.
+Semi-axes are those of equal second moments: the ellipse's own where the outline is one.
 """
 
 import zlib
@@ -81,13 +80,6 @@ CONDITIONS = {
     "scanner, moist": Condition(scanner=True, film=(0.05, 0.25), width=(0.5, 0.7), dry=0.03, jpeg=85),
     "scanner, dry": Condition(scanner=True, dry=0.35, width=(0.25, 0.45), jpeg=85, dim=(0.1, 0.4)),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class StripeImage(TrueImage):
-    """One image with its truth."""
-
-    hull_area: float
 
 
 def smooth(rng: np.random.Generator, shape: tuple[int, ...], length: float) -> Numbers:
@@ -270,7 +262,7 @@ def _equal_ellipse(inside: Numbers, step: float) -> Range:
     return float(major), float(minor)
 
 
-def stripe_image(name: str, number: int, seed: int = 0) -> StripeImage:
+def stripe_image(name: str, number: int, seed: int = 0) -> TrueImage:
     """Make an image of a condition."""
     c = CONDITIONS[name]
     rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
@@ -285,6 +277,5 @@ def stripe_image(name: str, number: int, seed: int = 0) -> StripeImage:
     parts = _contact(x, y, semi, c, rng)
     pixels = eight_bit(_picture(_darkness(parts, step, c, rng), step, binning, c, rng), c.jpeg)
     within, touching = parts["inside"] > 0, parts["touching"]
-    hull = cv2.convexHull(np.argwhere(touching).astype(np.int32))
-    gross, ridge, outer = (float(n * step**2) for n in (within.sum(), touching.sum(), cv2.contourArea(hull)))
-    return StripeImage(pixels, pixel, gross, ridge, _equal_ellipse(parts["inside"], step), outer)
+    gross, ridge = (float(part.sum() * step**2) for part in (within, touching))
+    return TrueImage(pixels, pixel, gross, ridge, _equal_ellipse(parts["inside"], step))

@@ -21,14 +21,9 @@ KINDS = ("ellipsoid", "superelliptic", "ellipsoid", "dorsal", "ellipsoid")
 class Truth:
     """What is true of a lab; by wedge angle (deg) or by name of the contact."""
 
-    seed: int
-    bone: bool
-    kind: str
     method: str
-    device: str
     pad: Pad
     youngs_modulus: float  # kPa
-    poisson: float
     thickness: float
     unstated_compliance: float
     mean_radius: dict[int, float] = field(default_factory=dict)
@@ -92,8 +87,7 @@ class _Lab:
         scale_std = round(rng.uniform(0.002, 0.01), 4)
         self.mm_per_px = 25.4 / self.device.ppi * (1 + rng.normal(0, scale_std))
         self.gain = rng.normal(0, 0.8 * self.load_std)
-        drawn = seed, bone, kind, method, self.device.kind, pad, youngs_modulus * 1000, poisson, thickness
-        self.truth = Truth(*drawn, unstated)
+        self.truth = Truth(method, pad, youngs_modulus * 1000, thickness, unstated)
         self.lines = [
             f'title = "Virtual lab {seed}"\npoisson_ratio = {self.stated_poisson}\n[uncertainty]',
             f"wedge_angle_deg_std = {wedge_std}\nroll_angle_deg_std = {roll_std}",
