@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -44,6 +45,13 @@ def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, ca
 def test_a_key_that_is_not_there_leads_to_help():
     with pytest.raises(SystemExit, match=r"'seeds'; `python -m benchmarks coins --help` lists its keys"):
         command.measure("coins", {"seeds": 3})
+
+
+def test_a_package_that_is_missing_is_named(monkeypatch):
+    monkeypatch.delitem(sys.modules, modules()["simulators"], raising=False)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(SystemExit, match="simulators needs the package mujoco: `make setup` installs"):
+        command.measure("simulators", {})
 
 
 def test_texts_name_benchmarks_that_are_there():
