@@ -4,8 +4,10 @@ import getpass
 import os
 import re
 import shutil
+import unicodedata
 from http import HTTPStatus
 from importlib.metadata import version
+from itertools import chain, count
 from pathlib import Path
 from threading import RLock
 from typing import Any, Final
@@ -143,6 +145,11 @@ class Workspace:
         free = shutil.disk_usage(self.workspace).free
         return free if self.import_limit is None else min(free, self.import_limit)
 
+    def free_name(self, name: str) -> str:
+        """Return a name, with a number if the workspace holds it already."""
+        numbered = (f"{name}-{number}" for number in count(2))
+        return next(one for one in chain([name], numbered) if not os.path.lexists(self.workspace / one))
+
     def new_folder(self, name: str) -> Path:
         """Return the path of a new sub-folder of the workspace."""
         if not re.fullmatch(NAME, name):
@@ -153,6 +160,13 @@ class Workspace:
         if os.path.lexists(folder):
             raise RequestError.conflict(f"the workspace holds {name!r} already: choose another name")
         return folder
+
+
+def name_of(title: str) -> str:
+    """Return the name of a folder that follows from a title, in letters and digits without accents."""
+    letters = unicodedata.normalize("NFKD", title)
+    plain = re.sub(r"[^A-Za-z0-9._]+", "-", re.sub(r"[\u0300-\u036f]", "", letters))
+    return plain.strip("-.")[:56].rstrip("-") or "study"
 
 
 def _login() -> str:

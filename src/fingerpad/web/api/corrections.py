@@ -35,11 +35,12 @@ _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
 class Corrections(Answer):
-    """The corrections of an item; `change` is the active one."""
+    """The corrections of an item; `change` is the active one, `pooling` what it says of that, and who did."""
 
     item: str
     last_id: int
     change: dict[str, Any]
+    pooling: PoolingCorrectionRecord | None
     on_another_image: bool
     can_undo: bool
     can_redo: bool
@@ -113,6 +114,7 @@ def _corrections(opened: StudySession, params: ItemParams) -> Corrections:
     return Corrections.of(
         history,
         change=active.change.as_json() if active else {},
+        pooling=pooling_correction(active),
         on_another_image=bool(active and on_another_image({params.item: active}, opened.picture_digest)),
         history=history.records,
     )

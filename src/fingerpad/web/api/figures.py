@@ -30,6 +30,10 @@ _MEDIA: Final = {
 }
 
 
+# Settings of a figure that a request states as they are.
+_AS_THEY_ARE: Final = ("width_mm", "height_mm", "font_pt", "x_scale", "y_scale", "dpi")
+
+
 class FigureEntry(Answer):
     """A figure of the report, and the addresses of its files."""
 
@@ -133,15 +137,10 @@ def _axis(found: Figure, axis: str) -> FigureAxis:
 def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response:
     """Return a figure as a file."""
     settings = FigureSettings(
-        width_mm=params.width_mm,
-        height_mm=params.height_mm,
-        font_pt=params.font_pt,
         x_range=(params.x_low, params.x_high),
         y_range=(params.y_low, params.y_high),
-        x_scale=params.x_scale,
-        y_scale=params.y_scale,
         colours=tuple(filter(None, params.colours.split(","))),
-        dpi=params.dpi,
+        **{name: getattr(params, name) for name in _AS_THEY_ARE},
     )
     content = figure_file(_read(opened, params.name), params.kind, settings)
     headers = {"cache-control": "private, no-cache"}

@@ -32,7 +32,7 @@ from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore,
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_sequence, kind_of_file
 from fingerpad.web.study_session import StudySession
-from fingerpad.web.workspace import NAME
+from fingerpad.web.workspace import NAME, name_of
 
 router = study_router()
 here = api_router("/api")
@@ -65,9 +65,10 @@ class UploadParams(Params):
 
 
 class ImportParams(Params):
-    """Name of the imported study."""
+    """Name of the imported study, which follows from that of the file unless it is given."""
 
-    name: Annotated[str, Field(pattern=NAME)]
+    name: Annotated[str, Field(pattern=NAME)] | None = None
+    file: Annotated[str, Field(max_length=500)] = ""
 
 
 class RemoveParams(Params):
@@ -131,7 +132,8 @@ def _described(opened: StudySession, path: Path) -> UploadedFile:
 @here.post("/session/import", status_code=HTTPStatus.CREATED)
 async def import_study(workspace: Here, params: Query[ImportParams], request: Request) -> State:
     """Import a study from a ZIP, and open it."""
-    folder = workspace.new_folder(params.name)
+    name = params.name or workspace.free_name(name_of(params.file.removesuffix(".zip")))
+    folder = workspace.new_folder(name)
     path, _ = await stored(request, workspace.room, workspace.workspace)
 
     def open_it() -> State:

@@ -62,8 +62,8 @@ class PadGeometry(Answer):
     points: list[SurfacePoint]
 
 
-class PadParams(Params):
-    """A pad on a wedge, by its finger or its semi-axes."""
+class GeometryParams(Params):
+    """A pad on a wedge, by its finger or its semi-axes, and the resolution of the drawing."""
 
     finger: str | None = None
     palmar_mm: Length | None = None
@@ -71,6 +71,8 @@ class PadParams(Params):
     radial_ulnar_mm: Length | None = None
     wedge_angle_deg: WedgeAngle = 30.0
     roll_angle_deg: RollAngle = 0.0
+    detail: Annotated[int, Field(ge=4, le=120)] = 32
+    u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
@@ -78,13 +80,6 @@ class PadParams(Params):
         if (self.finger is None) == (None in axes):
             raise ValueError("give finger, or palmar_mm, distal_mm and radial_ulnar_mm")
         return self
-
-
-class GeometryParams(PadParams):
-    """The same, and the resolution of the drawing."""
-
-    detail: Annotated[int, Field(ge=4, le=120)] = 32
-    u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
 @router.post("/geometry")
@@ -112,7 +107,7 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     )
 
 
-def _pad(opened: StudySession, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
+def _pad(opened: StudySession, params: GeometryParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
     """Return semi-axes (mm), their covariance if known, and standard uncertainties of the angles."""
     if params.finger is None:
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)

@@ -374,10 +374,16 @@ class _Known:
         """Return the status of an item; rejected items are only that."""
         return "rejected" if is_rejected(self.active.get(item)) else self.states.get(item, "left")
 
-    def surface(self, table: Mapping[str, Any]) -> str:
-        """Return whether a contact has ridges: as its table says, or else the study."""
-        stated = table.get("surface")
-        return str(stated) if stated in get_args(Surface) else self.loaded.study.surface
+    def stated(self, table: Mapping[str, Any], *, complete: bool = True) -> dict[str, Any]:
+        """Return what a table states, and what follows: its surface is its own, or that of the study."""
+        surface = table.get("surface")
+        return {
+            **table,
+            "surface": surface if surface in get_args(Surface) else self.loaded.study.surface,
+            "scale_words": scale_words(table.get("scale")),
+            "synthetic": table.get("synthetic") is True,
+            "complete": complete,
+        }
 
     def scales(self) -> list[ScaleEntry]:
         uses = Counter(self.loaded.study.named_scales())
@@ -397,11 +403,9 @@ class _Known:
         known = known_finger(self.opened, name) if complete else None
         status = "left" if finger is None else semi_axes_state(finger, self.states, record)
         return FingerEntry.of(
-            table,
+            self.stated(table, complete=complete),
             name=name,
             table=table,
-            complete=complete,
-            synthetic=table.get("synthetic") is True,
             semi_axes_mm=known
             and SemiAxes.of_three(known.semi_axes, np.sqrt(known.covariance.diagonal()), ""),
             effective_thickness_mm=Quantity.read(table.get, "effective_thickness_mm", ""),
@@ -414,31 +418,25 @@ class _Known:
         file = next((one for key in ("file", "outline") if isinstance(one := table.get(key), str)), None)
         item = f"{finger}/{file}"
         return PhotographEntry.of(
-            table,
+            self.stated(table),
             **review_record(self.active.get(item)),
             item=item,
             file=file,
             outline="outline" in table,
             status="given" if "outline" in table else self.status(item),
-            scale_words=scale_words(table.get("scale")),
-            synthetic=table.get("synthetic") is True,
         )
 
     def observations(self) -> list[ObservationEntry]:
         seen = contact_rows(self.found.table) if self.found else {}
         return [
             ObservationEntry.of(
-                table,
+                self.stated(table, complete=complete),
                 **review_record(self.active.get(name)),
                 item=name,
-                scale_words=scale_words(table.get("scale")),
                 notes=notes if isinstance(notes := table.get("notes"), str) else "",
-                surface=self.surface(table),
-                synthetic=table.get("synthetic") is True,
                 status="given" if "ellipse_mm" in table else self.status(name),
                 flags=(seen.get(name, {}).get("flags") or "").split(),
                 reason=seen.get(name, {}).get("reason"),
-                complete=complete,
             )
             for name, table, complete in self.tables("observation")
         ]
@@ -448,18 +446,14 @@ class _Known:
         of_frames = frames_of(self.active, name).values()
         file = table.get("file")
         return SequenceEntry.of(
-            table,
+            self.stated(table, complete=complete),
             name=name,
-            scale_words=scale_words(table.get("scale")),
-            surface=self.surface(table),
-            synthetic=table.get("synthetic") is True,
             status=self.states.get(name, "left"),
             frames=self.opened.count_frames(file) if isinstance(file, str) else None,
             flags=Counter(flag for row in rows for flag in (row["flags"] or "").split()),
             corrected=sum(bool(one.change.edits) for one in of_frames),
             rejected=sum(one.change.rejected is not None for one in of_frames),
             reviewed=len(of_frames),
-            complete=complete,
         )
 
     def curves(self) -> list[CurveEntry]:
@@ -471,10 +465,8 @@ class _Known:
             item = next(names) if complete else None
             at: Any = tuple(map(table.get, ("finger", "wedge_angle_deg", "file")))
             return CurveEntry.of(
-                table,
+                self.stated(table, complete=complete),
                 key=key,
-                synthetic=table.get("synthetic") is True,
-                complete=complete,
                 loading_radius_mm=Quantity.read(table.get, "loading_radius_mm", ""),
                 status=self.states.get(item or "", "given"),
                 reason=reasons.get(at) if complete else None,

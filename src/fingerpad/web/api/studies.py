@@ -20,7 +20,7 @@ from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
-from fingerpad.web.workspace import NAME
+from fingerpad.web.workspace import NAME, name_of
 
 router = study_router()
 here = api_router("/api")
@@ -75,10 +75,10 @@ class Session(Answer):
 
 
 class NewParams(Params):
-    """Name and title of a new study."""
+    """Title of a new study, and the name of its folder, which follows from the title unless it is given."""
 
-    name: _Name
     title: Annotated[str, Field(max_length=200)] = ""
+    name: _Name | None = None
 
 
 class OpenParams(Params):
@@ -103,17 +103,16 @@ def session(workspace: Here) -> Session:
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
 def new(workspace: Here, params: Body[NewParams]) -> State:
     """Create a study in a new folder."""
-    folder = workspace.new_folder(params.name)
-    create_study(folder, params.title or params.name)
+    name = params.name or name_of(params.title.lower())
+    folder = workspace.new_folder(name)
+    create_study(folder, params.title or name)
     return state_of(workspace.open_folder(folder))
 
 
 @here.post("/session/example", status_code=HTTPStatus.CREATED)
 def example(workspace: Here) -> State:
     """Write the example study into a new folder, and open it."""
-    taken = {path.name for path in workspace.workspace.iterdir()}
-    names = ("example", *(f"example-{number}" for number in range(2, 1000)))
-    folder = workspace.new_folder(next(name for name in names if name not in taken))
+    folder = workspace.new_folder(workspace.free_name("example"))
     write_example(folder)
     return state_of(workspace.open_folder(folder))
 

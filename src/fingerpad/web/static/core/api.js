@@ -88,8 +88,12 @@ export const post = (path, body, signal) => request("POST", path, { body: body ?
  */
 export const remove = (path, body) => request("DELETE", path, { body });
 
-/** Address of an image. @param {"preview" | "thumbnail"} kind @param {string} item */
-export const picture = (kind, item) => addressOf(`/picture/${kind}?${new URLSearchParams({ item })}`);
+/** Address of a small picture of an item. @param {string} item */
+export const thumbnailOf = (item) => addressOf(`/picture/thumbnail?${new URLSearchParams({ item })}`);
+
+/** Where a contact image, or a frame of a sequence, is reviewed. */
+export const contactAddress = (item, sequence = null) =>
+  `#/contacts/${[sequence ? `sequence:${sequence}` : "images", item].map(encodeURIComponent).join("/")}`;
 
 /** Address of a file of the results, or of the study folder as a ZIP. */
 export const download = (file) => addressOf(`/download/${file}`);

@@ -24,6 +24,7 @@ export class Corrections {
       last_id: 0,
       change: {},
       on_another_image: false,
+      pooling: null,
       history: [],
       can_undo: false,
       can_redo: false,
@@ -147,17 +148,12 @@ export function describeChange({ action, change }) {
   return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "reset to automatic";
 }
 
+const isUnset = (value) => [null, undefined, false].includes(value) || value.length === 0;
+
 /** A correction without default values. */
-export function withoutDefaults(change) {
-  return Object.fromEntries(
-    Object.entries(change)
-      .filter(
-        ([, value]) =>
-          value !== null &&
-          value !== undefined &&
-          value !== false &&
-          !(Array.isArray(value) && !value.length),
-      )
-      .concat(change.dark_on_light === false ? [["dark_on_light", false]] : []),
+export const withoutDefaults = (change) =>
+  Object.fromEntries(
+    Object.entries(change).filter(
+      ([key, value]) => !isUnset(value) || (key === "dark_on_light" && value === false),
+    ),
   );
-}

@@ -147,5 +147,8 @@ export function pathOf(points, closed = true) {
   return closed ? `${text}Z` : text;
 }
 
+/** Points [row, column] as one path of dots: a stroke without length that has round ends is one. */
+export const dotsOf = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
+
 let count = 0;
 export const newId = (stem = "f") => `${stem}${(count += 1)}`;

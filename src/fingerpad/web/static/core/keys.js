@@ -46,23 +46,15 @@ export function listen() {
   });
 }
 
-const shown = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc" };
+const SIGNS = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc" };
+const shownAs = (key) => SIGNS[key] ?? key;
 
 function table(title, keys) {
   return h("section", [
     h("h3", title),
     h("dl.keys", [
       keys.map(([names, words]) => [
-        h("dt", [
-          names.split(" ").map((name) =>
-            h("kbd", [
-              name
-                .split("+")
-                .map((part) => shown[part] ?? part)
-                .join("+"),
-            ]),
-          ),
-        ]),
+        h("dt", [names.split(" ").map((name) => h("kbd", name.replace(/[A-Z][a-zA-Z]+/, shownAs)))]),
         h("dd", words),
       ]),
     ]),

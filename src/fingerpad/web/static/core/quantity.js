@@ -1,6 +1,7 @@
 // Quantities in rows, and numbers where no uncertainty rounds them. The library sends quantities in words.
 
 import { h } from "./dom.js";
+import { symbol } from "./glossary.js";
 
 /** A number of a scale or a handle, to some digits. @param {number | null} value */
 export const short = (value, digits = 4) =>
@@ -14,21 +15,39 @@ export const signedPercent = (share) =>
   share === null ? "–" : `${share < 0 ? "−" : "+"}${percent(Math.abs(share))}`;
 
 /**
- * A quantity with its label; `was` is the value of the automatic measurement.
+ * A quantity with its label, and what stands beside it; `was` is the value of the automatic measurement.
  *
  * @param {any} label
  * @param {any} text
- * @param {{ was?: string, mark?: string, title?: string }} [options]
+ * @param {{ was?: string, mark?: string, title?: string, beside?: any }} [options]
  */
-export function quantityRow(label, text, { was, mark, title } = {}) {
+export function quantityRow(label, text, { was, mark, title, beside } = {}) {
   return h("div.reading", { title }, [
     h("dt", [mark && h("span.swatch", { style: { background: `var(--${mark})` } }), label]),
     h("dd", [
-      h("span.number", text),
-      was && was !== text && h("span.was", [h("span.sr", "automatic: "), was]),
+      h("span.number", beside ? [text, " ", beside] : text),
+      was && was !== text && h("span.was", `automatic ${was}`),
     ]),
   ]);
 }
+
+/**
+ * Rows of quantities of an answer, by their keys.
+ *
+ * @typedef {[key: string, words: string, symbol?: string, title?: string, mark?: string]} Shown
+ * @param {Shown[]} shown
+ * @param {any} answer
+ * @param {{ automatic?: any, beside?: (key: string) => any }} [options] the automatic answer, to compare
+ */
+export const quantityRows = (shown, answer, { automatic, beside } = {}) =>
+  shown.map(([key, words, term, title, mark]) =>
+    quantityRow([words, words && term && " ", term && symbol(term)], answer[key].words, {
+      mark,
+      title,
+      was: automatic?.[key].words,
+      beside: beside?.(key),
+    }),
+  );
 
 export function ago(when) {
   const seconds = (Date.now() - Date.parse(when)) / 1000;

@@ -15,38 +15,29 @@ function stepStatus(step) {
   if (!study) return ["", ""];
   const missing = study.missing.length;
   const contacts = study.observations.filter(({ file }) => file);
-  const doubtful = contacts.filter(
-    (entry) => entry.flags.length && !entry.accepted && !entry.rejected,
-  ).length;
-  const photographs = study.fingers.flatMap((finger) => finger.photographs ?? []);
-  const run = workspace.run;
+  const doubtful = contacts.filter((one) => one.flags.length && !one.accepted && !one.rejected).length;
+  const photographs = study.fingers.flatMap((finger) => finger.photographs);
+  const { results, sequences } = study;
+  const { run } = workspace;
   const busy = run && ["running", "cancelling"].includes(run.state);
-  return {
+  const there = results.fresh ? ["up to date", "good"] : ["out of date", "warn"];
+  /** @type {Record<string, any>} */
+  const states = {
     study: missing ? [`${missing} missing`, "warn"] : ["complete", "good"],
     scale: study.scales.length ? [`${study.scales.length}`, ""] : ["none yet", "warn"],
     photographs: [photographs.length ? `${photographs.length}` : "none", ""],
     contacts: doubtful
       ? [`${doubtful} doubtful`, "warn"]
-      : [
-          [contacts.length, ...(study.sequences.length ? [`${study.sequences.length} seq.`] : [])].join(
-            " + ",
-          ),
-          "",
-        ],
+      : [`${contacts.length}${sequences.length ? ` + ${sequences.length} seq.` : ""}`, ""],
     pad: [`${study.fingers.length || ""}`, ""],
-    results: study.results.there
-      ? study.results.fresh
-        ? ["up to date", "good"]
-        : ["out of date", "warn"]
-      : study.results.faults?.length
-        ? ["run again", "bad"]
-        : ["none yet", ""],
+    results: results.there ? there : results.faults.length ? ["run again", "bad"] : ["none yet", ""],
     run: busy
       ? [`${run.done} of ${run.total}`, "busy"]
       : study.counts.failed
         ? [`${study.counts.failed} failed`, "bad"]
         : ["", ""],
-  }[step];
+  };
+  return states[step];
 }
 
 export function drawSidebar(open, steps) {

@@ -127,7 +127,8 @@ class Workspace extends EventTarget {
       clearTimeout(this.#reloadTimer);
       this.#reloadTimer = setTimeout(() => this.reload().catch(() => {}), 1500);
     });
-    this.#stream.onerror = () => this.#cutOff();
+    // It is asked for once, however often the stream fails.
+    this.#stream.onerror = () => this.#linkTimer === null && this.#seek();
     this.#stream.onopen = () => this.#linked();
   }
 
@@ -138,10 +139,6 @@ class Workspace extends EventTarget {
   }
 
   /** Say that the server is gone, and ask for it until it is back. */
-  #cutOff() {
-    if (this.#linkTimer === null) this.#seek();
-  }
-
   async #seek() {
     this.#linkTimer = setTimeout(() => this.#seek(), SEEK_MS);
     try {
@@ -175,8 +172,8 @@ class Workspace extends EventTarget {
     this.#update(await post("/api/session/open", { name }));
   }
 
-  async create(name, title) {
-    this.#update(await post("/api/session/new", { name, title }));
+  async create(title) {
+    this.#update(await post("/api/session/new", { title }));
   }
 
   /** Open a new copy of the synthetic example study. */

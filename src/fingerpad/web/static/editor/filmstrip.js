@@ -1,6 +1,6 @@
 // A strip of thumbnails; only visible ones are created, so that thousands of frames scroll smoothly.
 
-import { picture } from "../core/api.js";
+import { thumbnailOf } from "../core/api.js";
 import { h } from "../core/dom.js";
 
 const CELL = 100;
@@ -148,12 +148,7 @@ export class Filmstrip {
       const item = this.entries[index]?.item;
       if (!item || cell.dataset.loaded) continue;
       cell.dataset.loaded = "1";
-      const image = h("img", {
-        alt: "",
-        loading: "lazy",
-        decoding: "async",
-        src: picture("thumbnail", item),
-      });
+      const image = h("img", { alt: "", loading: "lazy", decoding: "async", src: thumbnailOf(item) });
       image.onload = () => cell.classList.add("there");
       image.onerror = () => cell.classList.add("broken");
       cell.firstChild.append(image);

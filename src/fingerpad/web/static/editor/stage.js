@@ -49,21 +49,12 @@ export class Stage {
   }
 
   #zoomButtons() {
-    const make = (words, label, act) =>
-      h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
+    const make = (words, label, act, name = "button") =>
+      h(name, { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
+    this.percent = make("100 %", "Fit the image (0)", () => this.fit(), "button.number");
     return h("div.zoom", [
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
-      (this.percent = h(
-        "button.number",
-        {
-          type: "button",
-          title: "Fit the image (0)",
-          "aria-label": "Fit the image",
-          tabindex: -1,
-          onclick: () => this.fit(),
-        },
-        "100 %",
-      )),
+      this.percent,
       make("+", "Zoom in (+)", () => this.zoomBy(1.4)),
     ]);
   }
@@ -77,17 +68,13 @@ export class Stage {
     this.picture.alt = alt;
     this.setMessage("");
     this.root.classList.add("waiting");
-    const ready = new Promise((resolve) => {
-      this.picture.onload = () => (this.root.classList.remove("waiting"), resolve());
-      this.picture.onerror = () => (
-        this.root.classList.remove("waiting"),
-        this.setMessage("This image cannot be shown.", "bad"),
-        resolve()
-      );
-    });
+    this.picture.onload = () => this.root.classList.remove("waiting");
+    this.picture.onerror = () => {
+      this.root.classList.remove("waiting");
+      this.setMessage("This image cannot be shown.", "bad");
+    };
     this.picture.src = address;
     if (!same || this.fitted !== false) this.fit();
-    return ready;
   }
 
   setMessage(words, kind = "") {
@@ -256,11 +243,10 @@ export class Stage {
 
   #moveCursor([row, column], far) {
     const step = (far ? 24 : 4) / this.zoom;
-    this.cursor ??= [this.size[0] / 2, this.size[1] / 2];
-    this.cursor = [
-      Math.min(this.size[0] - 0.5, Math.max(-0.5, this.cursor[0] + row * step)),
-      Math.min(this.size[1] - 0.5, Math.max(-0.5, this.cursor[1] + column * step)),
-    ];
+    const inside = (at, count) => Math.min(count - 0.5, Math.max(-0.5, at));
+    const [rows, columns] = this.size;
+    const [at, beside] = this.cursor ?? [rows / 2, columns / 2];
+    this.cursor = [inside(at + row * step, rows), inside(beside + column * step, columns)];
     this.tool.move?.(this.cursor, this.cursorDown);
     this.#showPosition(this.cursor);
     this.#showCursor();

@@ -10,22 +10,18 @@ import { button } from "./forms.js";
 async function filesOf(transfer) {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files].map((file) => ({ file }));
+  /** @type {{ file: File, folder?: string }[]} */
   const found = [];
+  const take = async (entry, folder = undefined) =>
+    found.push({ file: await new Promise((done, failed) => entry.file(done, failed)), folder });
   for (const entry of entries) {
-    if (entry.isFile) found.push({ file: await new Promise((done, failed) => entry.file(done, failed)) });
+    if (entry.isFile) await take(entry);
     else {
       const reader = entry.createReader();
-      for (;;) {
-        const some = await new Promise((done, failed) => reader.readEntries(done, failed));
-        if (!some.length) break;
-        for (const each of some) {
-          if (each.isFile)
-            found.push({
-              folder: entry.name,
-              file: await new Promise((done, failed) => each.file(done, failed)),
-            });
-        }
-      }
+      const some = () => new Promise((done, failed) => reader.readEntries(done, failed));
+      // A browser gives a folder's files some at a time, and none at the end.
+      for (let read = await some(); read.length; read = await some())
+        for (const each of read) if (each.isFile) await take(each, entry.name);
     }
   }
   return found.sort((a, b) => a.file.name.localeCompare(b.file.name, "en", { numeric: true }));

@@ -13,11 +13,7 @@ const WIDTHS = [
   ["140", "140 mm, one and a half (Elsevier)"],
   ["190", "190 mm, two columns (Elsevier)"],
 ];
-const SCALES = [
-  ["", "as it is"],
-  ["linear", "linear"],
-  ["log", "logarithmic"],
-];
+const SCALES = [["", "as it is"], "linear", ["log", "logarithmic"]];
 const FORMATS = ["svg", "pdf", "png", "csv"];
 const PAUSE_MS = 250;
 

@@ -1,6 +1,7 @@
 // Form controls with labels and units.
 
-import { enter, h, newId, on, render } from "../core/dom.js";
+import { thumbnailOf } from "../core/api.js";
+import { enter, h, newId, on, render, s } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { rules } from "../core/workspace.js";
 
@@ -263,6 +264,9 @@ export function button(words, onclick, { kind = "", key, disabled, title, label 
   );
 }
 
+/** Icons of tools, 20 × 20 px. */
+const icons = new URL("../icons.svg", import.meta.url).href;
+
 /** Ignore calls of an async function while it runs, as on a double click. */
 export function withoutOverlap(work) {
   let busy = false;
@@ -277,8 +281,7 @@ export function withoutOverlap(work) {
  * A group of buttons of which one is selected. Arrow keys move along it.
  *
  * @param {string} label
- * @param {[key: string, words: string,
- *   options?: { icon?: Element, shortcut?: string, title?: string }][]} options
+ * @param {[key: string, words: string, options?: { icon?: string, shortcut?: string }][]} options
  * @param {string} value
  * @param {(value: string) => any} onset
  * @param {{ vertical?: boolean }} [layout]
@@ -289,19 +292,19 @@ export function segments(label, options, value, onset, { vertical = false } = {}
     "aria-label": label,
     "aria-orientation": vertical ? "vertical" : "horizontal",
   });
-  const buttons = options.map(([key, words, { icon, shortcut, title } = {}]) =>
+  const buttons = options.map(([key, words, { icon, shortcut } = {}]) =>
     h(
       "button",
       {
         type: "button",
         role: "radio",
         "data-key": key,
-        title: title ?? (shortcut ? `${words} (${shortcut})` : words),
+        title: shortcut ? `${words} (${shortcut})` : words,
         "aria-label": icon ? words : undefined,
         "aria-keyshortcuts": shortcut,
         onclick: () => (show(key), onset(key)),
       },
-      icon ?? words,
+      icon ? s("svg", { "aria-hidden": "true" }, s("use", { href: `${icons}#${icon}` })) : words,
     ),
   );
   function show(now) {
@@ -331,6 +334,9 @@ export function segments(label, options, value, onset, { vertical = false } = {}
 export function empty(title, words, ...actions) {
   return h("div.empty", [h("h2", title), h("p", words), actions.length > 0 && h("div.actions", actions)]);
 }
+
+/** A small picture of an item. */
+export const thumbnail = (item) => h("img.small-thumb", { src: thumbnailOf(item), alt: "", loading: "lazy" });
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
 export const synthetic = (yes) => yes && h("span.synthetic", "synthetic");

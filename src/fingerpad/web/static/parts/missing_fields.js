@@ -13,11 +13,15 @@ export const AXES = [
   ["radial_ulnar", "Radial–ulnar"],
 ];
 
-/** @type {[value: string, words: string][]} */
-export const SURFACES = [
-  ["ridged", "ridged"],
-  ["smooth", "smooth"],
-];
+export const SURFACES = ["ridged", "smooth"];
+
+/** Photographs of all fingers, without outlines. @returns {Photograph[]} */
+export const photographs = () =>
+  workspace.study.fingers.flatMap((finger) =>
+    finger.photographs
+      .filter(({ outline }) => !outline)
+      .map((one) => ({ ...one, finger: finger.name, synthetic: finger.synthetic || one.synthetic })),
+  );
 
 /** Limits and unit of the numbers that may be missing. */
 const NUMBERS = {

@@ -1,9 +1,11 @@
 // Whether a contact counts in the pooled radius: why, and its correction.
 
+import { contactAddress } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, update } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { ago, short } from "../core/quantity.js";
+import { describeCode } from "../core/workspace.js";
 import { button, text } from "./forms.js";
 
 const REASON = "no reason given";
@@ -12,29 +14,16 @@ const REASON = "no reason given";
 const correctionWords = ({ include, why, who, when }) =>
   `${include ? "included" : "left out"} by ${who}, ${ago(when)}: ${why}`;
 
-/** Save the correction of a contact's pooling; null goes back to the rule. */
+/** Save the correction of a contact's pooling, and return it; null goes back to the rule. */
 async function correctPooling(item, pooling) {
   const corrections = new Corrections(item, { changed: () => {}, conflict: () => {} });
   try {
     await corrections.load();
     await corrections.keep((change) => withoutDefaults({ ...change, pooling }));
-    return corrections.document;
+    return corrections.document.pooling;
   } finally {
     corrections.close();
   }
-}
-
-/**
- * The correction of pooling in a document, with who made it first.
- *
- * @param {Answers["Corrections"]} document
- * @returns {Answers["PoolingCorrectionRecord"] | null}
- */
-function correctionOf({ change, history }) {
-  /** @type {any} */
-  const pooling = change.pooling;
-  const record = history.at(-1);
-  return pooling && record ? { ...pooling, who: record.who, when: record.when } : null;
 }
 
 /**
@@ -53,11 +42,10 @@ export function poolingList(pooling) {
     const wanted = one.correction?.include ?? one.pooled;
     const set = (value) => async () => {
       try {
-        const document = await correctPooling(
+        one.correction = await correctPooling(
           one.item,
           value && { ...value, why: why.value.trim() || REASON },
         );
-        one.correction = correctionOf(document);
         draw();
       } catch (error) {
         showError(error);
@@ -66,7 +54,7 @@ export function poolingList(pooling) {
     const load = one.load_N === null ? "" : `, ${short(one.load_N)} N`;
     return h("li", { "data-pooled": String(one.pooled) }, [
       h("div", [
-        h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item),
+        h("a", { href: contactAddress(one.item) }, one.item),
         `${load} is ${one.pooled ? "pooled" : "left out"}${one.why ? `: ${one.why}` : ""}. `,
         one.correction && h("strong", [correctionWords(one.correction), ". "]),
         one.correction && one.correction.include !== one.pooled && "It takes effect with the next run.",
@@ -99,12 +87,12 @@ export function poolingList(pooling) {
  * What keeps the contact beside an image out of the pooled radius, with a button.
  *
  * @param {NonNullable<ContactMeasurement["pooling"]>} pooling
- * @param {{ words: (code: string) => string, set: (pooling: object | null) => any }} options
+ * @param {(pooling: object | null) => any} set
  */
-export function poolingOf({ pooled, excluding_flags: flags, correction }, { words, set }) {
+export function poolingOf({ pooled, excluding_flags: flags, correction }, set) {
   return h(pooled ? "div.pooling-note" : "div.pooling-note.note", [
     h("strong", pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
-    flags.length > 0 && [": ", flags.map(words).join("; ")],
+    flags.length > 0 && [": ", flags.map(describeCode).join("; ")],
     ". ",
     correction && [correctionWords(correction), ". "],
     h("div.actions", [

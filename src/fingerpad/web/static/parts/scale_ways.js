@@ -1,7 +1,7 @@
 // Scales: the choice of one, and the fields in which each way to state it is entered.
 
 import { rules, workspace } from "../core/workspace.js";
-import { choiceField, choose, field, number, numberField } from "./forms.js";
+import { choiceField, choose, field, numberField } from "./forms.js";
 
 /** The choice of a coin by its diameter, mm. */
 export const coinOptions = (diameter, none = "– other –") => sizeOptions(rules().coins, diameter, none);
@@ -12,125 +12,113 @@ const sizeOptions = (sizes, size, none) => ({
   options: [["", none], ...sizes.map(({ size_mm, words }) => [String(size_mm), words])],
 });
 
-/**
- * @typedef {object} Fields
- * @property {Record<string, any>} table the scale
- * @property {(key: string) => (value: any) => void} set
- * @property {() => void} redraw
- */
-
-/** @param {Fields} fields */
-const numberOf = ({ table, set }, key, more = {}) =>
-  number({ value: table[key], min: 0, onset: set(key), ...more });
-
-/** @param {Fields} fields */
-const uncertainty = (fields, key, words, unit) =>
-  field(words, numberOf(fields, key, { placeholder: "not stated" }), { unit });
-
-/** A choice of known sizes that fills in a number. @param {Fields} fields */
-const known = ({ set, redraw }, words, key, options, more = {}) =>
-  field(words, choose({ ...options, onset: (value) => value && (set(key)(Number(value)), redraw()) }), more);
-
-/** @param {Fields} fields */
-const diameter = (fields) => [
-  known(fields, "Coin type", "diameter_mm", coinOptions(fields.table.diameter_mm), { wide: true }),
-  field("Diameter", numberOf(fields, "diameter_mm"), { unit: "mm" }),
-  uncertainty(fields, "diameter_mm_std", "Uncertainty", "mm"),
-];
-
-/** @param {Fields} fields */
-const relative = (fields) =>
-  field("Relative uncertainty", numberOf(fields, "relative_std", { placeholder: "not stated", max: 1 }), {
-    hint: "0.01 is 1 %",
-  });
-
-/** One of the two counts of a grid's points. @param {Fields} fields */
-const count = ({ table, set }, words, place) =>
-  numberField(`Points ${words}`, {
-    value: table.points?.[place] ?? null,
-    min: 3,
-    onset: (value) => {
-      const points = [...(table.points ?? [null, null])];
-      points[place] = value === null ? null : Math.round(value);
-      set("points")(points);
-    },
-  });
+/** Numbers of scales: what each is called, and its unit. */
+const NUMBERS = {
+  length_mm: ["Length of the line", "mm"],
+  length_mm_std: ["Uncertainty", "mm"],
+  ends_px_std: ["Uncertainty of each end", "px"],
+  diameter_mm: ["Diameter", "mm"],
+  diameter_mm_std: ["Uncertainty", "mm"],
+  points_px_std: ["Uncertainty of each point", "px"],
+  spacing_mm: ["Spacing", "mm"],
+  spacing_mm_std: ["Uncertainty", "mm"],
+  ppi: ["Pixels per inch", "ppi"],
+  mm_per_px: ["Millimetres per pixel", "mm/px"],
+  relative_std: ["Relative uncertainty", ""],
+};
 
 /**
- * What each way is called, what to do with its picture, what to say while something lacks, and its fields.
+ * What each way is called, what to do with its picture, what to say while something lacks, and its numbers.
  *
  * @type {Record<string, { words: string, picture?: string, lacking: (table: any) => string,
- *   fields: (fields: Fields) => any[] }>}
+ *   numbers: string[] }>}
  */
 export const WAYS = {
   line: {
     words: "Ruler",
     picture: "Draw a line between two marks of the ruler.",
     lacking: ({ line }) => (line ? "Enter the length of the line." : "Draw a line on the ruler."),
-    fields: (fields) => [
-      known(
-        fields,
-        "Line along",
-        "length_mm",
-        sizeOptions(rules().card, fields.table.length_mm, "a ruler, or other"),
-      ),
-      field("Length of the line", numberOf(fields, "length_mm"), { unit: "mm" }),
-      uncertainty(fields, "length_mm_std", "Uncertainty", "mm"),
-      uncertainty(fields, "ends_px_std", "Uncertainty of each end", "px"),
-    ],
+    numbers: ["length_mm", "length_mm_std", "ends_px_std"],
   },
   coin: {
     words: "Coin",
     picture: "The whole coin, parallel to the image plane, on a plain background.",
     lacking: () => "Select or enter the coin's diameter.",
-    fields: diameter,
+    numbers: ["diameter_mm", "diameter_mm_std"],
   },
   circle: {
     words: "Circle",
     picture: "Click three points on the rim of a coin, far apart; drag them to move them.",
     lacking: ({ circle }) => (circle ? "Enter the diameter." : "Click three points on the rim."),
-    fields: (fields) => [
-      ...diameter(fields),
-      uncertainty(fields, "points_px_std", "Uncertainty of each point", "px"),
-    ],
+    numbers: ["diameter_mm", "diameter_mm_std", "points_px_std"],
   },
   grid: {
     words: "Grid",
     picture: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
     lacking: () => "Count the points of the grid, and enter their spacing.",
-    fields: (fields) => [
-      choiceField("Pattern", {
-        value: fields.table.pattern ?? "checkerboard",
-        options: [
-          ["checkerboard", "checkerboard: inner corners count"],
-          ["dots", "grid of dots"],
-        ],
-        onset: fields.set("pattern"),
-        wide: true,
-      }),
-      count(fields, "down", 0),
-      count(fields, "along", 1),
-      field("Spacing", numberOf(fields, "spacing_mm"), { unit: "mm" }),
-      uncertainty(fields, "spacing_mm_std", "Uncertainty", "mm"),
-    ],
+    numbers: ["spacing_mm", "spacing_mm_std"],
   },
-  ppi: {
-    words: "ppi",
-    lacking: () => "Enter the resolution.",
-    fields: (fields) => [
-      field("Pixels per inch", numberOf(fields, "ppi"), { unit: "ppi" }),
-      relative(fields),
-    ],
-  },
+  ppi: { words: "ppi", lacking: () => "Enter the resolution.", numbers: ["ppi", "relative_std"] },
   mm_per_px: {
     words: "mm/px",
     lacking: () => "Enter the size of a pixel.",
-    fields: (fields) => [
-      field("Millimetres per pixel", numberOf(fields, "mm_per_px"), { unit: "mm/px" }),
-      relative(fields),
-    ],
+    numbers: ["mm_per_px", "relative_std"],
   },
 };
+
+const PATTERNS = [
+  ["checkerboard", "checkerboard: inner corners count"],
+  ["dots", "grid of dots"],
+];
+
+/**
+ * The fields in which a scale is entered in one of the ways.
+ *
+ * @param {string} way
+ * @param {{ table: Record<string, any>, set: (key: string) => (value: any) => void, redraw: () => void }} of
+ */
+export function scaleFields(way, { table, set, redraw }) {
+  // A choice of known sizes that fills in a number.
+  const known = (words, key, options, more = {}) =>
+    field(
+      words,
+      choose({ ...options, onset: (value) => value && (set(key)(Number(value)), redraw()) }),
+      more,
+    );
+  // One of the two counts of a grid's points.
+  const count = (words, place) =>
+    numberField(`Points ${words}`, {
+      value: table.points?.[place] ?? null,
+      min: 3,
+      onset: (value) => {
+        const points = [...(table.points ?? [null, null])];
+        points[place] = value === null ? null : Math.round(value);
+        set("points")(points);
+      },
+    });
+  return [
+    way === "line" &&
+      known("Line along", "length_mm", sizeOptions(rules().card, table.length_mm, "a ruler, or other")),
+    ["coin", "circle"].includes(way) &&
+      known("Coin type", "diameter_mm", coinOptions(table.diameter_mm), { wide: true }),
+    way === "grid" && [
+      choiceField("Pattern", {
+        value: table.pattern ?? "checkerboard",
+        options: PATTERNS,
+        onset: set("pattern"),
+        wide: true,
+      }),
+      count("down", 0),
+      count("along", 1),
+    ],
+    WAYS[way].numbers.map((key) => {
+      const [words, unit] = NUMBERS[key];
+      const placeholder = key.endsWith("_std") ? "not stated" : undefined;
+      const [max, hint] = key === "relative_std" ? [1, "0.01 is 1 %"] : [];
+      return numberField(words, { value: table[key], min: 0, max, placeholder, onset: set(key), unit, hint });
+    }),
+  ];
+}
 
 /** The way in which a scale is stated, undefined if in none yet. */
 export const wayOf = (table) => Object.keys(WAYS).find((key) => table?.[key] !== undefined);

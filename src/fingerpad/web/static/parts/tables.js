@@ -20,25 +20,19 @@ export const statusChip = ({ status, reason, complete }) =>
 export const incompleteChip = ({ complete }) => complete === false && chip("incomplete", "warn");
 
 /**
- * A card with a table, or with words where there are no rows.
+ * A card with a title, words beside it, and a table, or `none` without rows. The column without a heading
+ * holds buttons; a heading can be `{ words, title }`, of numbers.
  *
  * @param {string} title
- * @param {{ words: any, actions?: any, headings: Parameters<typeof table>[1], none?: any,
- *   rows: 0 | HTMLTableRowElement[] }} of
+ * @param {{ words: any, actions?: any, headings: (string | { words: any, title?: string })[],
+ *   rows: HTMLTableRowElement[], none?: any }} content
  */
 export const tableCard = (title, { words, actions, headings, rows, none }) =>
   h("section.card", { "aria-label": title }, [
     h("header", [h("h2", title), h("span.soft", words), actions && h("div.actions", actions)]),
-    rows ? table(title, headings, rows) : h("p.soft", none),
+    none && !rows.length ? h("p.soft", none) : table(title, headings, rows),
   ]);
 
-/**
- * A table. The column without a heading holds buttons; a heading can be `{ words, title }`, of numbers.
- *
- * @param {string} label
- * @param {(string | { words: any, title?: string })[]} headings
- * @param {HTMLTableRowElement[]} rows
- */
 function table(label, headings, rows) {
   const heading = (one) =>
     typeof one === "string"

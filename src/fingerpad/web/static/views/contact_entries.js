@@ -1,15 +1,10 @@
 // Labels and filters of the filmstrip of contact images.
 
+import { short } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { reviewMarks } from "./review_layout.js";
 
-export const FILTERS = [
-  ["", "all"],
-  ["todo", "not reviewed"],
-  ["flagged", "flagged"],
-  ["corrected", "corrected"],
-  ["rejected", "rejected"],
-];
+export const FILTERS = [["", "all"], ["todo", "not reviewed"], "flagged", "corrected", "rejected"];
 
 export const FILTER_TESTS = {
   "": () => true,
@@ -30,8 +25,7 @@ export function describe(entry, { named = false } = {}) {
   if (entry.flags?.length) marks.push(["flag", entry.flags.map(describeCode).join("; ")]);
   if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
   marks.push(...reviewMarks(entry));
-  const load =
-    entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
+  const load = (entry.load_N ?? null) === null ? "" : `${short(entry.load_N, 3)} N`;
   const finger = named && entry.finger;
   return {
     above: finger,

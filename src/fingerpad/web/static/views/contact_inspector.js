@@ -3,10 +3,10 @@
 import { h, render, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
-import { quantityRow, short } from "../core/quantity.js";
-import { adviseCode, describeCode, workspace } from "../core/workspace.js";
+import { quantityRow, quantityRows, short } from "../core/quantity.js";
+import { adviseCode, workspace } from "../core/workspace.js";
 import { Histogram } from "../editor/histogram.js";
-import { button, check, chip, choiceField, list, numberField, segments, synthetic } from "../parts/forms.js";
+import { button, check, chip, choiceField, numberField, segments, synthetic } from "../parts/forms.js";
 import { SURFACES } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/notes.js";
 import { poolingOf } from "../parts/pooling.js";
@@ -15,57 +15,44 @@ import { agreementOf } from "./agreement.js";
 import { flagNote, Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
 
-/** @type {[key: string, label: () => any, title: string, mark: string][]} */
-const QUANTITIES_SHOWN = [
-  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ_d")], "semi-major axis of the ellipse", "ellipse"],
-  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ_e")], "semi-minor axis of the ellipse", "ellipse"],
-  ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
-  ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
+/** @typedef {import("../core/quantity.js").Shown} Shown */
+/** @type {Shown[]} */
+const MEASURED = [
+  ["semi_major_mm", "Semi-major", "ℓ_d", "semi-major axis of the ellipse", "ellipse"],
+  ["semi_minor_mm", "Semi-minor", "ℓ_e", "semi-minor axis of the ellipse", "ellipse"],
+  ["gross_area_mm2", "Gross area", "", "area inside the outline of the contact", "region"],
+];
+/** @type {Shown[]} */
+const RIDGES = [
+  ["ridge_area_mm2", "Ridge area", "", "area of the ridges in contact", "ridges"],
+  ["ridge_period_mm", "Ridge period", "", ""],
+];
+const SPHERE = "sphere with the same area at the same indentation; compare with the radius from loading data";
+/** @type {Shown[]} */
+const MODEL = [
+  ["mean_curvature_radius_mm", "Undeformed pad", "R_0g", "1/H of the undeformed pad at the contact"],
+  ["radius_from_compliance_mm", "Equivalent sphere", "R_Aξ", SPHERE],
+  ["indentation_mm", "Indentation", "ξ", "indentation by Hertz theory from load and ellipse"],
+  ["youngs_modulus_kpa", "Young's modulus", "E", "Young's modulus by Hertz theory"],
+];
+const EXPECTED = "A/(πξ) of the whole pad on the layer; compare with the radius from loading data";
+/** Beside the model, where the finger's thickness is stated. @type {Shown[]} */
+const ON_LAYER = [
+  [
+    "youngs_modulus_on_layer_kpa",
+    "Young's modulus",
+    "E",
+    "from load and area, of the whole pad on the layer",
+  ],
+  ["indentation_on_layer_mm", "Indentation", "ξ", "of the whole pad on the layer, from the area"],
+  ["loading_radius_on_layer_mm", "Expected", "R_g", EXPECTED],
 ];
 
 /** Whether Hertz theory held for a quantity in the last run. */
 const verdictOf = ({ verdicts }, key) => key in verdicts && verdictChip(verdicts[key]);
 
-/** @type {[key: string, label: () => any, title: string][]} */
-const MODEL = [
-  [
-    "mean_curvature_radius_mm",
-    () => ["Undeformed pad ", symbol("R_0g")],
-    "1/H of the undeformed pad at the contact",
-  ],
-  [
-    "radius_from_compliance_mm",
-    () => ["Equivalent sphere ", symbol("R_Aξ")],
-    "sphere with the same area at the same indentation; compare with the radius from loading data",
-  ],
-  [
-    "indentation_mm",
-    () => ["Indentation ", symbol("ξ")],
-    "indentation by Hertz theory from load and ellipse",
-  ],
-  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus by Hertz theory"],
-];
-
-/** Beside the model, where the finger's thickness is stated. */
-/** @type {[key: string, label: () => any, title: string][]} */
-const ON_LAYER = [
-  [
-    "youngs_modulus_on_layer_kpa",
-    () => ["Young's modulus ", symbol("E")],
-    "Young's modulus from load and area, of the whole pad on the layer",
-  ],
-  [
-    "indentation_on_layer_mm",
-    () => ["Indentation ", symbol("ξ")],
-    "indentation of the whole pad on the layer, from the area",
-  ],
-  [
-    "loading_radius_on_layer_mm",
-    () => ["Expected ", symbol("R_g")],
-    "A/(πξ) of the whole pad on the layer; compare with the radius from loading data",
-  ],
-];
-
+const ALT = "[ and ] change it; Alt switches between adding and removing.";
+const TRY = "Try another threshold, polarity, seed point or the brush; otherwise reject the image.";
 const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
 
 const RESETS = [
@@ -78,14 +65,8 @@ const RESETS = [
 
 export class ContactInspector extends Inspector {
   tools = {
-    add: {
-      brush: "Radius of the brush that adds",
-      hint: "[ and ] change it; Alt switches between adding and removing.",
-    },
-    remove: {
-      brush: "Radius of the brush that removes",
-      hint: "[ and ] change it; Alt switches between adding and removing.",
-    },
+    add: { brush: "Radius of the brush that adds", hint: ALT },
+    remove: { brush: "Radius of the brush that removes", hint: ALT },
     threshold: { words: h("div.stack-small", h("h3", "Threshold")) },
     lasso: { words: this.#areaTool("lasso", "Draw around an area in one stroke.") },
     polygon: {
@@ -150,11 +131,9 @@ export class ContactInspector extends Inspector {
   /** Change the table of the contact, or of the sequence. */
   #setSurface(surface) {
     const { sequence, entry } = this.view;
-    const edit = sequence
-      ? { kind: /** @type {const} */ ("sequence"), key: sequence.name, set: { surface } }
-      : { kind: /** @type {const} */ ("observation"), key: entry.item, set: { surface } };
+    const [kind, key] = sequence ? ["sequence", sequence.name] : ["observation", entry.item];
     workspace
-      .edit(edit)
+      .edit({ kind: /** @type {Edit["kind"]} */ (kind), key, set: { surface } })
       .then(() => this.view.remeasure())
       .catch(showError);
   }
@@ -199,12 +178,7 @@ export class ContactInspector extends Inspector {
       render(this.parts.numbers, [
         h("h3", "Result"),
         h("p.note.bad", { role: "alert" }, problem),
-        !this.view.lacking?.length &&
-          !this.view.unreached &&
-          h(
-            "p.soft",
-            "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
-          ),
+        !this.view.lacking?.length && !this.view.unreached && h("p.soft", TRY),
       ]);
       this.settings(null);
       return;
@@ -213,12 +187,8 @@ export class ContactInspector extends Inspector {
     const corrected = answer.by !== "automatic" && !this.view.blind;
     const outOfDate = () =>
       staleChip((this.view.sequence ?? this.view.entry).finger, "semi-axes out of date");
-    const line = ([key, label, words, mark]) =>
-      quantityRow(label(), numbers[key].words, {
-        mark,
-        title: words,
-        was: corrected && automatic ? automatic[key].words : undefined,
-      });
+    const shown = [...MEASURED, ...(this.isSmooth() ? [] : RIDGES)];
+    const title = "intersection over union; 1 is a perfect match";
     render(this.parts.numbers, [
       model &&
         h("div.headline.main-number", [
@@ -229,25 +199,16 @@ export class ContactInspector extends Inspector {
         ]),
       h("div.headline", [h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")]),
       h("dl.readings", { "data-live": "numbers" }, [
-        QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.isSmooth()).map(line),
-        !this.isSmooth() && quantityRow("Ridge period", numbers.ridge_period_mm.words),
-        quantityRow([symbol("IoU"), " of ellipse and region"], numbers.ellipse_iou.words, {
-          title: "intersection over union; 1 is a perfect match",
-        }),
+        quantityRows(shown, numbers, { automatic: corrected ? automatic : null }),
+        quantityRow([symbol("IoU"), " of ellipse and region"], numbers.ellipse_iou.words, { title }),
       ]),
       model && [
         h("div.headline", [h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()]),
-        h("dl.readings", [
-          MODEL.map(([key, label, words]) =>
-            quantityRow(label(), [model[key].words, " ", verdictOf(model, key)], { title: words }),
-          ),
-        ]),
+        h("dl.readings", quantityRows(MODEL, model, { beside: (key) => verdictOf(model, key) })),
       ],
       layered(model) && [
         h("h3", `Model, ${model.effective_thickness_mm.words} of tissue over bone`),
-        h("dl.readings", { "data-live": "layer" }, [
-          ON_LAYER.map(([key, label, words]) => quantityRow(label(), model[key].words, { title: words })),
-        ]),
+        h("dl.readings", { "data-live": "layer" }, quantityRows(ON_LAYER, model)),
         model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
       !model &&
@@ -262,17 +223,11 @@ export class ContactInspector extends Inspector {
       answer.pooling &&
         !this.view.blind &&
         !this.view.corrections.change.rejected &&
-        poolingOf(answer.pooling, {
-          words: describeCode,
-          set: (pooling) => this.view.decidePooling(pooling),
-        }),
-      notesOf(model).length > 0 &&
+        poolingOf(answer.pooling, (pooling) => this.view.decidePooling(pooling)),
+      model?.range_notes.length > 0 &&
         h("details", [
-          h("summary", `Doubtful values (${notesOf(model).length})`),
-          list(
-            notesOf(model).map((code) => adviseCode(code)),
-            "ul.note",
-          ),
+          h("summary", `Doubtful values (${model.range_notes.length})`),
+          flagNote(model.range_notes),
         ]),
     ]);
     this.settings(answer);
@@ -287,10 +242,7 @@ export class ContactInspector extends Inspector {
       h("h3", "Settings"),
       h("div.fields", [
         choiceField("Polarity", {
-          value:
-            change.dark_on_light === undefined || change.dark_on_light === null
-              ? ""
-              : String(change.dark_on_light),
+          value: String(change.dark_on_light ?? ""),
           options: [
             ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
             ["true", smooth ? "dark contact on light" : "dark ridges on light"],
@@ -330,6 +282,3 @@ export class ContactInspector extends Inspector {
 
 /** @param {ContactMeasurement["model"]} model */
 const layered = (model) => typeof model?.effective_thickness_mm.value === "number";
-
-/** @param {ContactMeasurement["model"]} model */
-const notesOf = (model) => model?.range_notes ?? [];

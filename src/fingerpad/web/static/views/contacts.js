@@ -7,25 +7,30 @@ import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { SequenceTraces } from "../editor/sequence_traces.js";
 import { figureButton } from "../parts/figure_settings.js";
-import { choose, empty } from "../parts/forms.js";
-import { icon } from "../parts/icons.js";
+import { choose } from "../parts/forms.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { whichScale } from "../parts/scale_ways.js";
 import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactReview } from "./contact_review.js";
+import { renderNone } from "./review_layout.js";
 
-/** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
+/** @type {import("./review.js").Tool[]} */
 const TOOLS = [
-  ["ellipse", "Drag the ellipse", { icon: icon("ellipse"), shortcut: "v" }],
-  ["add", "Brush: add to the region", { icon: icon("add"), shortcut: "b" }],
-  ["remove", "Brush: remove from the region", { icon: icon("remove"), shortcut: "e" }],
-  ["lasso", "Lasso: draw around an area", { icon: icon("lasso"), shortcut: "l" }],
-  ["polygon", "Polygon: corners of an area", { icon: icon("polygon"), shortcut: "g" }],
-  ["threshold", "Threshold on the histogram", { icon: icon("histogram"), shortcut: "t" }],
-  ["seed", "Seed point inside the contact", { icon: icon("seed"), shortcut: "s" }],
-  ["box", "Region of interest", { icon: icon("box"), shortcut: "o" }],
+  ["ellipse", "Drag the ellipse", "v"],
+  ["add", "Brush: add to the region", "b", "Brush: add (Alt: remove)"],
+  ["remove", "Brush: remove from the region", "e"],
+  ["lasso", "Lasso: draw around an area", "l", "Lasso (Alt: remove)"],
+  ["polygon", "Polygon: corners of an area", "g", "Polygon: Space sets a corner, Enter closes it"],
+  ["threshold", "Threshold on the histogram", "t", "Threshold: arrow keys move it"],
+  ["seed", "Seed point inside the contact", "s"],
+  ["box", "Region of interest", "o"],
 ];
+
+const NONE =
+  "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.";
+
+const isKnown = (value) => value !== null && value !== undefined;
 
 class Contacts extends ContactReview {
   /** @type {((Observation | Frame) & { finger?: string | null })[]} */
@@ -52,46 +57,38 @@ class Contacts extends ContactReview {
       this.tool = "lasso";
       this.nothingToAccept = "Outline the contact first: lasso, polygon or threshold.";
     }
-    if (!this.source) this.#nothing();
+    if (!this.source) renderNone(root, "Contacts", "No contact images yet", NONE);
     else this.#build();
   }
 
   #sources() {
-    const images = workspace.study.observations.filter(({ file }) => file).length;
+    const count = this.#images().length;
+    const images = [
+      ["images", `Contact images (${count})`],
+      ["second", "Second operator, blind"],
+    ];
     return [
-      ...(images ? [["images", `Contact images (${images})`]] : []),
-      ...(images ? [["second", "Second operator, blind"]] : []),
+      ...(count ? images : []),
       ...workspace.study.sequences
         .filter(({ file }) => file)
         .map(({ name, frames }) => [`sequence:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
     ];
   }
 
-  #nothing() {
-    render(this.root, [
-      h("header.head", h("h1", "Contacts")),
-      empty(
-        "No contact images yet",
-        "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.",
-        h("a.button.primary", { href: "#/study" }, "Go to study"),
-      ),
-    ]);
+  #images() {
+    return workspace.study.observations.filter(({ file }) => file);
   }
 
   #build() {
     this.count = h("span.count.number", { role: "status" });
-    this.sourceChoice = choose({
+    const sourceChoice = choose({
       value: this.source,
       label: "Images",
       options: this.#sources(),
       onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`),
     });
-    this.filterChoice = choose({
-      value: this.filter,
-      label: "Show",
-      options: FILTERS,
-      onset: (key) => this.#filter(key),
-    });
+    const onset = (key) => this.#filter(key);
+    this.filterChoice = choose({ value: this.filter, label: "Show", options: FILTERS, onset });
     this.fingers = h("label", { hidden: true });
     this.scrubbed = new LatestRequest(
       (frame) => this.#show(frame),
@@ -113,27 +110,21 @@ class Contacts extends ContactReview {
       measureDragged: (change) => post("/measure/contact", { item: this.entry.item, change }),
       describe: (entry) => describe(entry, { named: !this.fingers.hidden }),
       inspector: new ContactInspector(this),
+      keys: [
+        ["k", "Key frame of a sequence", () => this.setKeyFrame(!this.corrections?.change.key_frame)],
+        ["n", "Next flagged image", () => this.#nextFlagged()],
+        ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
+      ],
       bar: [
         this.traces.root,
         h("div.filmstrip-bar", [
-          h("label", ["Images", this.sourceChoice]),
+          h("label", ["Images", sourceChoice]),
           h("label", ["Show", this.filterChoice]),
           this.fingers,
           this.count,
         ]),
       ],
     });
-    this.bind([
-      ["b", "Brush: add (Alt: remove)", () => this.use("add")],
-      ["e", "Brush: remove", () => this.use("remove")],
-      ["l", "Lasso (Alt: remove)", () => this.use("lasso")],
-      ["g", "Polygon: Space sets a corner, Enter closes it", () => this.use("polygon")],
-      ["t", "Threshold: arrow keys move it", () => this.use("threshold")],
-      ["s", "Seed point", () => this.use("seed")],
-      ["k", "Key frame of a sequence", () => this.setKeyFrame(!this.corrections?.change.key_frame)],
-      ["n", "Next flagged image", () => this.#nextFlagged()],
-      ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
-    ]);
     this.keyup = (event) => event.key === "p" && this.showAutomatic(false);
     document.addEventListener("keyup", this.keyup);
     if (this.blind) this.use(this.tool);
@@ -143,7 +134,7 @@ class Contacts extends ContactReview {
   async load() {
     this.count.textContent = "loading …";
     if (this.source === "images") {
-      this.all = workspace.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
+      this.all = this.#images().map((entry) => ({ ...entry }));
     } else if (this.blind) {
       this.agreement = await get("/second-operator");
       if (this.closed) return;
@@ -166,7 +157,10 @@ class Contacts extends ContactReview {
         if (!page.frames.length) break;
       }
     }
-    const signal = this.sequence ? await this.#signal() : null;
+    // Without the force the frames are shown alone.
+    const signal = this.sequence
+      ? await get("/signal", { sequence: this.sequence.name }).catch((error) => (showError(error), null))
+      : null;
     this.traces.set(this.sequence?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
     if (this.closed) return;
     this.#drawFingers();
@@ -181,14 +175,6 @@ class Contacts extends ContactReview {
     const figures = there ? await get("/results/figures") : [];
     const figure = figures.find((each) => [name, `${name}_synthetic`].includes(each.name));
     if (name === `sequence_${this.sequence?.name}`) render(this.traces.figure, figureButton(figure));
-  }
-
-  /** The force of the sequence; without it the frames are shown alone. */
-  async #signal() {
-    return get("/signal", { sequence: this.sequence.name }).catch((error) => {
-      showError(error);
-      return null;
-    });
   }
 
   /** Show a frame of the traces with its result, whatever the filter is. */
@@ -257,9 +243,8 @@ class Contacts extends ContactReview {
   }
 
   missing() {
-    return this.sequence
-      ? missingOf("sequence", this.sequence.name)
-      : missingOf("observation", this.entry.item);
+    const { sequence } = this;
+    return sequence ? missingOf("sequence", sequence.name) : missingOf("observation", this.entry.item);
   }
 
   title() {
@@ -332,15 +317,13 @@ class Contacts extends ContactReview {
       entry,
       lines: [
         of.finger ?? "no finger",
-        ...(of.wedge_angle_deg === null ? [] : [`θ ${of.wedge_angle_deg}°`]),
-        ...(of.roll_angle_deg ? [`φ ${of.roll_angle_deg}°`] : []),
-        ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${short(entry.load_N)} N`]),
-        ...(entry.time_s === undefined || entry.time_s === null
-          ? []
-          : [`${short(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
+        of.wedge_angle_deg !== null && `θ ${of.wedge_angle_deg}°`,
+        of.roll_angle_deg && `φ ${of.roll_angle_deg}°`,
+        isKnown(entry.load_N) && `${short(entry.load_N)} N`,
+        isKnown(entry.time_s) && `${short(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`,
         whichScale(of),
-        ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
-      ],
+        this.info?.bits > 8 && `${this.info.bits} bit, shown in 8`,
+      ].filter(Boolean),
     };
   }
 
@@ -352,16 +335,9 @@ class Contacts extends ContactReview {
 
   update() {
     if (!this.stage || this.blind) return;
-    if (this.source !== "images") {
-      this.sequence =
-        workspace.study.sequences.find(({ name }) => name === this.sequence?.name) ?? this.sequence;
-      if (this.entry) this.inspector.head();
-      this.refreshMissing();
-      return;
-    }
-    const now = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
-    for (const entry of this.all ?? []) Object.assign(entry, now.get(entry.item) ?? {});
-    this.strip.refresh();
+    const { sequences, observations } = workspace.study;
+    this.sequence &&= sequences.find(({ name }) => name === this.sequence.name) ?? this.sequence;
+    this.renew(this.all, observations);
     if (this.entry) this.inspector.head();
     this.refreshMissing();
   }

@@ -29,7 +29,7 @@ export class Inspector {
     this.why.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || !this.why.value.trim()) return;
       this.view.stage.root.focus({ preventScroll: true });
-      this.view.rejectFor(this.reason());
+      this.view.reject({ again: true });
     });
     this.root = h("div.stack", { "aria-busy": "true" }, [
       Object.values(this.parts),

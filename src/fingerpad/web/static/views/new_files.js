@@ -1,13 +1,13 @@
 // New files: what each of them is, entered one by one or for all.
 
-import { get, picture, post, remove } from "../core/api.js";
+import { get, post, remove } from "../core/api.js";
 import { h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { rules, workspace } from "../core/workspace.js";
-import { button, check, faultList } from "../parts/forms.js";
+import { button, check, faultList, thumbnail } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_ways.js";
-import { tableOf } from "../parts/tables.js";
+import { scrolled, tableOf } from "../parts/tables.js";
 import { allRow, base, COIN, fileRow, guessesOf, plural, takeGuess, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
@@ -109,7 +109,8 @@ export class NewFiles {
       this.problem,
       allRow(this),
       this.tools.root,
-      h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": "New files" }, [
+      scrolled(
+        "New files",
         tableOf(
           "table",
           COLUMNS.map(([words, key]) =>
@@ -126,7 +127,7 @@ export class NewFiles {
           ),
           shown.map((file) => fileRow(this, file)),
         ),
-      ]),
+      ),
       files.length > shown.length &&
         h("p.soft", `${files.length - shown.length} more files are not listed; "Add to study" adds all.`),
       check("These files are synthetic (rendered or simulated)", {
@@ -296,7 +297,7 @@ export class NewFiles {
           .slice(0, 30)
           .map((draft) =>
             h("li", [
-              h("img.small-thumb", { src: picture("thumbnail", `file:${draft.file}`), alt: "" }),
+              thumbnail(`file:${draft.file}`),
               h("strong", base(draft.file)),
               h("span", [
                 uses[draft.use],

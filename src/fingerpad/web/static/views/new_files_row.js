@@ -1,10 +1,10 @@
 // A row of the table of new files: what a file is, whose finger, and what else it needs.
 
-import { get, picture } from "../core/api.js";
+import { get } from "../core/api.js";
 import { h, on } from "../core/dom.js";
 import { bytes } from "../core/quantity.js";
 import { rules } from "../core/workspace.js";
-import { button, chip, choose, namePattern, number, text } from "../parts/forms.js";
+import { button, chip, choose, namePattern, number, text, thumbnail } from "../parts/forms.js";
 import { coinOptions, scaleNames } from "../parts/scale_ways.js";
 
 export const base = (file) => file.split("/").at(-1);
@@ -33,14 +33,7 @@ export function fileRow(files, { file, kind, bytes: size }) {
       files.draw();
     },
   });
-  const finger = text({
-    value: draft.finger,
-    placeholder: "e.g. left_index",
-    list: "fingers",
-    pattern: namePattern(),
-    label: `Finger on ${name}`,
-    onset: put("finger"),
-  });
+  const finger = fingerField({ value: draft.finger, label: `Finger on ${name}`, onset: put("finger") });
   on(finger, "input", ({ currentTarget }) => (draft.finger = currentTarget.value.trim()));
   const face = choose({
     value: draft.face ?? "",
@@ -51,41 +44,34 @@ export function fileRow(files, { file, kind, bytes: size }) {
       files.draw();
     },
   });
-  const wedge = number({
-    value: draft.wedge_angle_deg,
-    min: 0,
-    max: 90,
-    label: `Wedge angle of ${name}, degrees`,
-    onset: put("wedge_angle_deg"),
-  });
-  const load = number({
-    value: draft.load_N,
-    min: 0,
-    label: `Load of ${name}, newtons`,
-    onset: put("load_N"),
-  });
-  load.dataset.unit = "N";
-  wedge.dataset.unit = "°";
+  const quantity = (key, label, unit, max) => {
+    const field = number({ value: draft[key], min: 0, max, label, onset: put(key) });
+    field.dataset.unit = unit;
+    return field;
+  };
+  const cell = (key, words, content) => h("td", { "data-label": words }, takes(draft, key) && content);
+  const wedge = quantity("wedge_angle_deg", `Wedge angle of ${name}, degrees`, "°", 90);
+  const load = quantity("load_N", `Load of ${name}, newtons`, "N");
   return h("tr", { key: file }, [
-    h("td", [
-      kind === "picture"
-        ? h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "", loading: "lazy" })
-        : h("span.chip", kind),
-    ]),
+    h("td", [kind === "picture" ? thumbnail(`file:${file}`) : h("span.chip", kind)]),
     h("td", [h("strong", name), h("div.soft", about(files, file, size))]),
     h("td", [use, guessed(draft, "use")]),
     draft.use === "coin"
       ? h("td", { colspan: 5 }, coinChoice(files, file))
       : [
-          h("td", { "data-label": "Finger" }, takes(draft, "finger") && finger),
-          h("td", { "data-label": "Face" }, takes(draft, "face") && [face, guessed(draft, "face")]),
-          h("td", { "data-label": "Wedge, °" }, takes(draft, "wedge_angle_deg") && wedge),
-          h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
-          h("td", { "data-label": "Scale" }, takes(draft, "scale") && scaleCell(files, file)),
+          cell("finger", "Finger", finger),
+          cell("face", "Face", [face, guessed(draft, "face")]),
+          cell("wedge_angle_deg", "Wedge, °", wedge),
+          cell("load_N", "Load, N", load),
+          cell("scale", "Scale", scaleCell(files, file)),
         ],
     h("td", [button("×", () => files.forget(file), { kind: "icon", label: `Remove ${name}` })]),
   ]);
 }
+
+/** @param {Parameters<typeof text>[0]} of */
+const fingerField = (of) =>
+  text({ placeholder: "e.g. left_index", list: "fingers", pattern: namePattern(), ...of });
 
 /** @param {import("./new_files.js").NewFiles} files */
 function about(files, file, size) {
@@ -100,26 +86,16 @@ function about(files, file, size) {
 function coinChoice(files, file) {
   const draft = files.drafts.get(file);
   const name = base(file);
-  const set = (value) => {
-    draft.diameter_mm = value;
+  const { diameter_mm: value } = draft;
+  const onset = (diameter) => {
+    draft.diameter_mm = diameter;
     files.draw();
   };
+  const coins = { ...coinOptions(value, "which coin?"), label: `Coin on ${name}` };
+  const label = `Diameter of the coin on ${name}, mm`;
   return h("div.coin-choice", [
-    choose({
-      ...coinOptions(draft.diameter_mm, "which coin?"),
-      label: `Coin on ${name}`,
-      onset: (value) => value && set(Number(value)),
-    }),
-    h("label", [
-      "diameter, mm",
-      number({
-        value: draft.diameter_mm,
-        min: 1,
-        max: 200,
-        label: `Diameter of the coin on ${name}, mm`,
-        onset: set,
-      }),
-    ]),
+    choose({ ...coins, onset: (size) => size && onset(Number(size)) }),
+    h("label", ["diameter, mm", number({ value, min: 1, max: 200, label, onset })]),
   ]);
 }
 
@@ -222,11 +198,8 @@ export function allRow(files) {
     h("span.soft", "All files:"),
     h("label", [
       "finger",
-      text({
+      fingerField({
         value: shared.finger,
-        placeholder: "e.g. left_index",
-        list: "fingers",
-        pattern: namePattern(),
         label: "Finger of all new files",
         onset: (value, input) => value && input.checkValidity() && every("finger", value),
       }),

@@ -4,21 +4,11 @@ import { post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { button, chip, text } from "../parts/forms.js";
-import { tableOf } from "../parts/tables.js";
+import { scrolled, tableOf } from "../parts/tables.js";
 import { base, plural } from "./new_files_row.js";
 
-const MEANINGS = {
-  file: "file",
-  person: "person",
-  finger: "finger",
-  hand: "hand",
-  face: "face",
-  role: "type",
-  wedge: "wedge angle",
-  load: "load",
-  scale: "scale",
-  session: "session",
-};
+/** What columns mean, where the page has other words than the library. */
+const MEANINGS = { role: "type", wedge: "wedge angle" };
 const SHOWN = [
   ["use", "type"],
   ["person", "person"],
@@ -105,7 +95,10 @@ export class NewFileTools {
           "Columns: ",
           found.columns
             .filter(({ meaning }) => meaning)
-            .map(({ header, meaning, unit }) => `${header} → ${MEANINGS[meaning]}${unit ? `, ${unit}` : ""}`)
+            .map(
+              ({ header, meaning, unit }) =>
+                `${header} → ${MEANINGS[meaning] ?? meaning}${unit ? `, ${unit}` : ""}`,
+            )
             .join("; "),
           ".",
           unknown.length > 0 && h("p", `Not used: ${some(unknown.map(({ header }) => header))}.`),
@@ -138,7 +131,8 @@ export class NewFileTools {
       const fit = files.filter(({ problem }) => !problem).length;
       return render(this.preview, [
         h("p.soft", `${fit} of ${files.length} names fit.`),
-        h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": "What the pattern gives" }, [
+        scrolled(
+          "What the pattern gives",
           tableOf(
             "table.tight",
             ["File", ...keys.map(([, words]) => words), ""],
@@ -153,7 +147,7 @@ export class NewFileTools {
                 ]),
               ),
           ),
-        ]),
+        ),
       ]);
     } catch (error) {
       if (wanted !== this.wanted) return undefined;

@@ -4,19 +4,19 @@ import { LatestRequest, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
-import { quantityRow } from "../core/quantity.js";
+import { quantityRow, quantityRows } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, choiceField, empty, field, number, numberField, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/notes.js";
 import { PadScene } from "../parts/pad_scene.js";
 
-/** @type {[key: string, label: () => any][]} */
-const QUANTITIES_SHOWN = [
-  ["in_plane_radius_mm", () => "Radius along the finger"],
-  ["transverse_radius_mm", () => "Radius across the finger"],
-  ["mean_curvature_radius_mm", () => symbol("R_0g")],
-  ["geometric_mean_radius_mm", () => symbol("R_e")],
+/** @type {import("../core/quantity.js").Shown[]} */
+const RADII = [
+  ["in_plane_radius_mm", "Radius along the finger"],
+  ["transverse_radius_mm", "Radius across the finger"],
+  ["mean_curvature_radius_mm", "", "R_0g"],
+  ["geometric_mean_radius_mm", "", "R_e"],
 ];
 
 class PadView {
@@ -198,9 +198,7 @@ class PadView {
       Math.abs(answer.v_deg.value - 90) > 0.005 &&
         h("p.soft.number", [symbol("v"), ` = ${answer.v_deg.words}`]),
       h("div", staleChip(this.finger)),
-      h("dl.readings", { "data-live": "radii" }, [
-        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), answer[key].words)),
-      ]),
+      h("dl.readings", { "data-live": "radii" }, quantityRows(RADII, answer)),
       !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
     ]);
   }

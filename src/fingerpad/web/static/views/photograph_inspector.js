@@ -11,13 +11,7 @@ import { scaleChoice, whichScale } from "../parts/scale_ways.js";
 import { flagNote, Inspector } from "./inspector.js";
 
 const NAMES = Object.fromEntries(AXES);
-const SIDES = [
-  ["", "as in the study"],
-  ["up", "up"],
-  ["down", "down"],
-  ["left", "left"],
-  ["right", "right"],
-];
+const SIDES = [["", "as in the study"], "up", "down", "left", "right"];
 
 const REASONS = ["blurred", "wrong finger", "not parallel to the image plane"];
 const RESETS = [

@@ -1,26 +1,27 @@
 // Review of the photographs of a finger's faces.
 
 import { LatestRequest, post } from "../core/api.js";
-import { h, render, s } from "../core/dom.js";
-import { workspace } from "../core/workspace.js";
+import { dotsOf, render, s } from "../core/dom.js";
 import { Click } from "../editor/drawing.js";
 import { handle } from "../editor/handle.js";
 import { Line } from "../editor/shapes.js";
-import { empty } from "../parts/forms.js";
-import { icon } from "../parts/icons.js";
-import { missingOf } from "../parts/missing_fields.js";
+import { missingOf, photographs } from "../parts/missing_fields.js";
 import { faceWords, PhotographInspector } from "./photograph_inspector.js";
 import { Review } from "./review.js";
-import { reviewMarks } from "./review_layout.js";
+import { renderNone, reviewMarks } from "./review_layout.js";
 
-/** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
+/** @type {import("./review.js").Tool[]} */
 const TOOLS = [
-  ["ellipse", "Drag axes and rotation", { icon: icon("ellipse"), shortcut: "v" }],
-  ["points", "Add points on the outline", { icon: icon("points"), shortcut: "b" }],
-  ["erase", "Erase points of the outline", { icon: icon("remove"), shortcut: "e" }],
-  ["box", "Region of interest", { icon: icon("box"), shortcut: "o" }],
-  ["length", "Measure a length", { icon: icon("ruler"), shortcut: "l" }],
+  ["ellipse", "Drag axes and rotation", "v"],
+  ["points", "Add points on the outline", "b"],
+  ["erase", "Erase points of the outline", "e"],
+  ["box", "Region of interest", "o"],
+  ["length", "Measure a length", "l"],
 ];
+
+const NONE =
+  "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain background " +
+  "next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.";
 
 class Photographs extends Review {
   /** @type {Photograph[]} */
@@ -36,35 +37,9 @@ class Photographs extends Review {
   constructor(root, rest) {
     super();
     this.root = root;
-    this.entries = this.#photographs();
-    if (!this.entries.length) this.#nothing();
+    this.entries = photographs();
+    if (!this.entries.length) renderNone(root, "Photographs", "No photographs yet", NONE);
     else this.#build(rest[0]);
-  }
-
-  /** @returns {Photograph[]} */
-  #photographs() {
-    return workspace.study.fingers.flatMap((finger) =>
-      (finger.photographs ?? [])
-        .filter(({ outline }) => !outline)
-        .map((photograph) => ({
-          ...photograph,
-          finger: finger.name,
-          synthetic: finger.synthetic || photograph.synthetic,
-        })),
-    );
-  }
-
-  #nothing() {
-    render(this.root, [
-      h("header.head", h("h1", "Photographs")),
-      empty(
-        "No photographs yet",
-        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain " +
-          "background next to a ruler or coin, and drop the images on the Study page. Semi-axes can " +
-          "also be entered.",
-        h("a.button.primary", { href: "#/study" }, "Go to study"),
-      ),
-    ]);
   }
 
   #build(wanted) {
@@ -88,18 +63,9 @@ class Photographs extends Review {
       (error) => this.stage.setMessage(error.message, "bad"),
       this.inspector.parts.tool,
     );
-    this.bind([
-      ["b", "Add points on the outline", () => this.use("points")],
-      ["e", "Erase points", () => this.use("erase")],
-      ["l", "Measure a length", () => this.use("length")],
-    ]);
     this.strip.set(this.entries);
-    this.choose(
-      Math.max(
-        0,
-        this.entries.findIndex(({ item }) => item === wanted),
-      ),
-    );
+    const at = this.entries.findIndex(({ item }) => item === wanted);
+    this.choose(Math.max(0, at));
   }
 
   addOverlay() {
@@ -123,8 +89,13 @@ class Photographs extends Review {
   clearOverlay() {
     this.lengths.cancel();
     this.line.set(null);
-    this.used.setAttribute("d", "");
-    this.out.setAttribute("d", "");
+    this.#points(null);
+  }
+
+  /** Draw the points of the outline. @param {PhotographMeasurement | null} answer */
+  #points(answer) {
+    this.used.setAttribute("d", dotsOf(answer?.points_px));
+    this.out.setAttribute("d", dotsOf(answer?.outliers_px));
   }
 
   showInfo() {
@@ -148,8 +119,7 @@ class Photographs extends Review {
       const { centre_px: centre, across_end_px: across, along_end_px: along } = answer.handles;
       this.stage.setMessage("");
       this.editor.place(centre, across, along);
-      this.used.setAttribute("d", dots(answer.points_px));
-      this.out.setAttribute("d", dots(answer.outliers_px));
+      this.#points(answer);
       this.stage.tool?.dry?.();
       this.showTool();
     }
@@ -170,19 +140,13 @@ class Photographs extends Review {
     for (const each of this.added) each.remove();
     this.added = points.map((at, index) => {
       let now = at;
+      const keep = (edit) =>
+        this.keep((change) => ({ ...change, added_points_px: edit(change.added_points_px) }));
       const mark = handle(this.stage, {
         label: `Point ${index + 1} added; Delete removes it`,
         move: (to) => mark.put((now = to)),
-        commit: () =>
-          this.keep((change) => ({
-            ...change,
-            added_points_px: change.added_points_px.map((point, other) => (other === index ? now : point)),
-          })),
-        remove: () =>
-          this.keep((change) => ({
-            ...change,
-            added_points_px: change.added_points_px.filter((_, other) => other !== index),
-          })),
+        commit: () => keep((kept) => kept.with(index, now)),
+        remove: () => keep((kept) => kept.toSpliced(index, 1)),
       });
       this.stage.world.append(mark.node);
       mark.put(at);
@@ -242,7 +206,7 @@ class Photographs extends Review {
   }
 
   update() {
-    const now = this.#photographs();
+    const now = photographs();
     if (!this.stage) {
       if (!now.length) return;
       this.entries = now;
@@ -250,9 +214,7 @@ class Photographs extends Review {
       this.#build();
       return;
     }
-    const known = new Map(now.map((entry) => [entry.item, entry]));
-    for (const entry of this.entries) Object.assign(entry, known.get(entry.item) ?? {});
-    this.strip.refresh();
+    this.renew(this.entries, now);
     this.inspector.head();
     this.refreshMissing();
   }
@@ -262,9 +224,6 @@ class Photographs extends Review {
     super.close();
   }
 }
-
-/** Many points as one path: a stroke without length, with round ends, is a dot. @param {Points} points */
-const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
 /** @param {Photograph} entry */
 function describe(entry) {

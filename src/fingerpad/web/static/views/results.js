@@ -23,6 +23,8 @@ const PARTS = [
   ["audit", "Audit", "a", "Audit of the published tables", stateless(showAudit)],
 ];
 
+const RUN = ["#/run/start", "Run the study"];
+
 class Results {
   /** @type {Part | null} */
   part = null;
@@ -86,21 +88,20 @@ class Results {
   /** What stands in place of results that are not there, or damaged; nothing where they are good. */
   #nothing() {
     const { results, ready } = workspace.study;
-    if (results?.faults?.length)
+    if (results.faults.length)
       return empty(
         "These results cannot be shown",
         `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
         h("a.button.primary", { href: "#/run/start" }, "Run the study"),
       );
-    if (results?.there) return null;
+    if (results.there) return null;
+    const [words, href, action] = ready
+      ? ["The study is complete and can run. A later run measures only what has changed.", ...RUN]
+      : ["The study is incomplete; see the Study page.", "#/study", "Go to study"];
     return empty(
       "No results yet",
-      ready
-        ? "The study is complete and can run. A later run measures only what has changed."
-        : "The study is incomplete; see the Study page.",
-      ready
-        ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
-        : h("a.button.primary", { href: "#/study" }, "Go to study"),
+      words,
+      h("a.button.primary", { href }, action),
       h("a.button", { href: "#/results/audit" }, "See the audit of the published tables"),
     );
   }

@@ -1,6 +1,6 @@
 // Charts of each finger and placement against load, with R_0g and R_g as lines.
 
-import { get } from "../core/api.js";
+import { contactAddress, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
@@ -304,8 +304,7 @@ export class Plots {
         })),
         chosen: ({ pointIndex }) => {
           const item = items[pointIndex];
-          const source = item.includes("#") ? `sequence:${item.split("#")[0]}` : "images";
-          location.hash = `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(item)}`;
+          location.hash = contactAddress(item, item.includes("#") ? item.split("#")[0] : null);
         },
       });
     } catch (error) {

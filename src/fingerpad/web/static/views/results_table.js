@@ -1,6 +1,6 @@
 // The results as a table that can be filtered and sorted.
 
-import { download, get } from "../core/api.js";
+import { contactAddress, download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol, symbolParts } from "../core/glossary.js";
 import { describeCode, workspace } from "../core/workspace.js";
@@ -57,26 +57,26 @@ export class Table {
   async load() {
     const { study } = workspace;
     const set = (key) => (value) => this.#ask({ [key]: value, offset: 0 });
-    const angles = [
-      ...new Set([...study.observations, ...study.sequences].map((each) => each.wedge_angle_deg)),
-    ]
-      .filter((each) => each !== null)
+    const placed = [...study.observations, ...study.sequences].map(({ wedge_angle_deg: wedge }) => wedge);
+    const angles = [...new Set(placed)]
+      .filter((wedge) => wedge !== null)
       .sort((a, b) => a - b)
-      .map((angle) => [String(angle), `${angle}°`]);
+      .map((wedge) => [String(wedge), `${wedge}°`]);
     const names = study.fingers.map(({ name }) => name);
     const flags = ["contact", "scale", "frame"]
       .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
       .map((code) => [code, code.replaceAll("_", " ")]);
     const filter = (label, key, none, options) =>
       choiceField(label, { options: [["", none], ...options], onset: set(key) });
-    const search = h("input", {
+    const find = () => set("text")(this.searchField.value);
+    this.searchField = h("input", {
       type: "search",
       placeholder: "name, reason …",
-      oninput: () => (
-        clearTimeout(this.timer), (this.timer = setTimeout(() => set("text")(search.value), 250))
-      ),
+      oninput: () => {
+        clearTimeout(this.timer);
+        this.timer = setTimeout(find, 250);
+      },
     });
-    this.searchField = search;
     this.count = h("span.soft.number", { role: "status" });
     this.table = h("div.table-wrap.results-table", { tabindex: 0, role: "region", "aria-label": "Rows" });
     this.pager = h("div.actions");
@@ -85,7 +85,7 @@ export class Table {
     this.size.observe(this.table);
     render(this.root, [
       h("div.filters", [
-        field("Search", search),
+        field("Search", this.searchField),
         filter("Finger", "finger", "all", names),
         filter("Wedge", "wedge_angle_deg", "all", angles),
         filter("Status", "status", "all", ["measured", "failed", "rejected"]),
@@ -127,18 +127,16 @@ export class Table {
           .filter(Boolean);
     const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
+    const turn = (words, to, label) =>
+      button(words, () => this.#ask({ offset: to }), {
+        kind: "small",
+        disabled: to < 0 || to >= matching,
+        label,
+      });
     render(this.pager, [
       matching > LIMIT && [
-        button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), {
-          kind: "small",
-          disabled: !offset,
-          label: "Previous rows",
-        }),
-        button("›", () => this.#ask({ offset: offset + LIMIT }), {
-          kind: "small",
-          disabled: offset + LIMIT >= matching,
-          label: "Next rows",
-        }),
+        turn("‹", offset - LIMIT, "Previous rows"),
+        turn("›", offset + LIMIT, "Next rows"),
       ],
     ]);
     if (!rows.length) {
@@ -181,12 +179,7 @@ export class Table {
   /** @param {Row} row */
   #link(row) {
     if (!row.item || !row.file) return h("span", row.observation);
-    const source = row.sequence ? `sequence:${row.sequence}` : "images";
-    return h(
-      "a",
-      { href: `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(row.item)}` },
-      row.observation,
-    );
+    return h("a", { href: contactAddress(row.item, row.sequence) }, row.observation);
   }
 
   /**
@@ -194,31 +187,21 @@ export class Table {
    * @param {boolean} number
    */
   #header({ key, label, words, symbol: term }, number) {
+    // Each press goes on to the next order: rising, falling, that of the study.
     const { sort } = this.asked;
-    const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
-    const next = way === "ascending" ? `-${key}` : way === "descending" ? "" : key;
+    const [way, sign, next] = {
+      [key]: ["ascending", " ↑", `-${key}`],
+      [`-${key}`]: ["descending", " ↓", ""],
+    }[sort] ?? [undefined, "", key];
+    const shown = labelParts(label);
+    const content = [
+      term ? symbol(term, { inControl: true, words: shown }) : shown,
+      h("span", { "aria-hidden": "true" }, sign),
+    ];
     return h(
-      "th",
-      {
-        scope: "col",
-        class: number ? "number" : undefined,
-        "aria-sort": way,
-        title: term ? undefined : words,
-      },
-      [
-        button(
-          [
-            term ? symbol(term, { inControl: true, words: labelParts(label) }) : labelParts(label),
-            h(
-              "span",
-              { "aria-hidden": "true" },
-              way === "ascending" ? " ↑" : way === "descending" ? " ↓" : "",
-            ),
-          ],
-          () => this.#ask({ sort: next, offset: 0 }),
-          { label: `Sort by ${label}` },
-        ),
-      ],
+      number ? "th.number" : "th",
+      { scope: "col", "aria-sort": way, title: term ? undefined : words },
+      button(content, () => this.#ask({ sort: next, offset: 0 }), { label: `Sort by ${label}` }),
     );
   }
 

@@ -1,6 +1,6 @@
 // Review of images: measure, correct, accept or reject, and go to the next one.
 
-import { get, LatestRequest, picture } from "../core/api.js";
+import { get, LatestRequest } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
@@ -13,6 +13,9 @@ import { segments } from "../parts/forms.js";
 import { keysOf, panesOf } from "./review_layout.js";
 
 const VERDICTS = ["accepted", "rejected", "pooling"];
+
+/** A tool: its name and that of its icon, its words, its key, and what the list of keys says of it. */
+/** @typedef {[tool: string, words: string, shortcut: string, help?: string]} Tool */
 
 /**
  * Base class of the views of contact images and of photographs.
@@ -74,11 +77,11 @@ export class Review {
   /**
    * Lay out the view; `measureDragged` is called while a handle is dragged.
    *
-   * @param {{ title: string, words: string, label: string, axes: string[],
-   *   tools: Parameters<typeof segments>[1], radius: number, measureDragged: (state: any) => Promise<any>,
-   *   describe: (entry: any) => any, inspector: any, bar?: any }} options
+   * @param {{ title: string, words: string, label: string, axes: string[], tools: Tool[], radius: number,
+   *   measureDragged: (state: any) => Promise<any>, describe: (entry: any) => any, inspector: any, bar?: any,
+   *   keys?: any[] }} options
    */
-  layOut({ title, words, label, axes, tools, radius, measureDragged, describe, inspector, bar }) {
+  layOut({ title, words, label, axes, tools, radius, measureDragged, describe, inspector, bar, keys = [] }) {
     this.radius = radius;
     this.stage = new Stage(label);
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
@@ -86,7 +89,14 @@ export class Review {
     this.addOverlay();
     this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
     this.box = new Box(this.stage, (box, final) => final && this.set("region_of_interest_px", box));
-    this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
+    this.tools = tools;
+    this.toolbar = segments(
+      "Tools",
+      tools.map(([tool, words, shortcut]) => [tool, words, { icon: tool, shortcut }]),
+      this.tool,
+      (tool) => this.use(tool),
+      { vertical: true },
+    );
     this.strip = new Filmstrip({ label: "Images", chosen: (index) => this.choose(index), describe });
     this.live = new LatestRequest(
       measureDragged,
@@ -95,11 +105,7 @@ export class Review {
     );
     this.inspector = inspector;
     render(this.root, panesOf(this, title, words, bar));
-  }
-
-  /** Bind the keys of all reviews and those of the subclass. */
-  bind(own) {
-    bindHere(keysOf(this, own));
+    bindHere(keysOf(this, keys));
   }
 
   get entry() {
@@ -126,9 +132,7 @@ export class Review {
     this.measured = null;
     this.stage.root.classList.remove("rejected"); // the image before may have been
     this.inspector.root.hidden = this.inspector.footer.hidden = false;
-    this.editor.set(null);
-    this.box.set(null);
-    this.clearOverlay();
+    this.#clear();
     this.lacking = undefined;
     this.inspector.wait();
     this.refreshMissing();
@@ -137,15 +141,13 @@ export class Review {
     const mine = this.corrections;
     const loaded = mine.load();
     loaded.catch(() => {}); // awaited below
-    try {
-      // The picture shows whatever else is missing.
-      const info = await get("/picture/info", { item });
-      if (this.corrections !== mine) return;
+    // The picture shows whatever else is missing.
+    const info = await get("/picture/info", { item }).catch((error) => error);
+    if (this.corrections !== mine) return;
+    if (info instanceof Error) this.stage.setMessage(info.message, "bad");
+    else {
       this.showInfo(info);
-      this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
-    } catch (error) {
-      if (this.corrections !== mine) return;
-      this.stage.setMessage(error.message, "bad");
+      this.stage.show(info.preview, info.rows_px, info.columns_px, this.title());
     }
     try {
       await loaded;
@@ -153,6 +155,13 @@ export class Review {
     } catch (error) {
       if (this.corrections === mine) this.#failed(error);
     }
+  }
+
+  /** Take what the study now says of entries. */
+  renew(entries, now) {
+    const known = new Map(now.map((entry) => [entry.item, entry]));
+    for (const entry of entries) Object.assign(entry, known.get(entry.item));
+    this.strip.refresh();
   }
 
   step(by) {
@@ -167,10 +176,15 @@ export class Review {
     this.corrections?.close();
     this.corrections = this.measured = null;
     this.stage.hide();
+    this.#clear();
+    this.inspector.root.hidden = this.inspector.footer.hidden = true;
+  }
+
+  /** Draw no correction. */
+  #clear() {
     this.editor.set(null);
     this.box.set(null);
     this.clearOverlay();
-    this.inspector.root.hidden = this.inspector.footer.hidden = true;
   }
 
   /** Start a turn: answers to earlier requests are ignored. */
@@ -352,23 +366,13 @@ export class Review {
       this.#next();
   }
 
-  /** Reject the image, or undo its rejection. */
-  reject() {
-    const reason = this.inspector.reason();
-    return this.#reject(({ rejected }) => (rejected ? null : reason));
-  }
-
-  /** Reject the image for a reason, whether it was rejected or not. */
-  rejectFor(reason) {
-    return this.#reject(() => reason);
-  }
-
-  async #reject(reasonFor) {
+  /** Reject the image, or undo its rejection unless it is to be rejected `again`, for another reason. */
+  async reject({ again = false } = {}) {
     if (!this.entry) return;
-    const judged = await this.#judge((change) => {
-      const rejected = reasonFor(change);
-      return rejected ? { accepted: false, rejected } : { rejected };
-    });
+    const reason = this.inspector.reason();
+    const judged = await this.#judge(({ rejected }) =>
+      rejected && !again ? { rejected: null } : { accepted: false, rejected: reason },
+    );
     if (judged && this.corrections.change.rejected && this.entries[this.at + 1]) this.step(1);
   }
 

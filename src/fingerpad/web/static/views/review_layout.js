@@ -3,7 +3,7 @@
 import { h, render } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { setWho, who } from "../core/workspace.js";
-import { button, field, text } from "../parts/forms.js";
+import { button, empty, field, text } from "../parts/forms.js";
 
 /**
  * Marks of a thumbnail for what a person did: kind and text.
@@ -18,6 +18,13 @@ export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
     interpolated && ["interpolated", "interpolated between key frames"],
   ].filter(Boolean);
 }
+
+/** Show that there are no images to review yet. */
+export const renderNone = (root, title, none, words) =>
+  render(root, [
+    h("header.head", h("h1", title)),
+    empty(none, words, h("a.button.primary", { href: "#/study" }, "Go to study")),
+  ]);
 
 /** The name saved with corrections; the browser remembers it. */
 function whoButton() {
@@ -62,8 +69,7 @@ export const keysOf = (view, own) => [
   ["x", "Reject, or undo the rejection", () => view.reject()],
   ["u Ctrl+z", "Undo", () => view.undo()],
   ["r Ctrl+y Ctrl+Z", "Redo", () => view.redo()],
-  ["v", "Drag the ellipse", () => view.use("ellipse")],
-  ["o", "Region of interest", () => view.use("box")],
+  ...view.tools.map(([tool, words, key, help]) => [key, help ?? words, () => view.use(tool)]),
   ...own,
   [
     "[ ]",

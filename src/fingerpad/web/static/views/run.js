@@ -120,16 +120,10 @@ class Run {
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
             h("p", [
-              counts
-                ? [
-                    h("strong.number", counts.done),
-                    " measured, ",
-                    h("strong.number", counts.left + counts.stale),
-                    " to do",
-                    counts.failed > 0 && [", ", h("strong.number", counts.failed), " failed"],
-                    ".",
-                  ]
-                : "",
+              [h("strong.number", counts.done), " measured, "],
+              [h("strong.number", counts.left + counts.stale), " to do"],
+              counts.failed > 0 && [", ", h("strong.number", counts.failed), " failed"],
+              ".",
             ]),
             !ready &&
               h("div.note", [
@@ -166,7 +160,7 @@ class Run {
 
   #drawExports() {
     const { results } = workspace.study;
-    const there = results?.there;
+    const { there } = results;
     render(this.exports, [
       h("div.headline", [
         h("h2", "Export"),
@@ -175,12 +169,9 @@ class Run {
       ]),
       h("div.export-grid", [
         FILES.map(([file, title, words]) => {
-          const can = file === "study.zip" || (file === "report.html" ? results?.report : there);
-          const link = {
-            href: download(`${file}?attachment=1`),
-            download: "",
-            "aria-label": `Download ${title}`,
-          };
+          const can = file === "study.zip" || (file === "report.html" ? results.report : there);
+          const href = download(`${file}?attachment=1`);
+          const link = { href, download: "", "aria-label": `Download ${title}` };
           const open = { href: download(file), target: "_blank", rel: "noopener" };
           return exportCard(
             title,

@@ -1,7 +1,7 @@
 // Scales: by a line on a ruler, a coin, or a resolution.
 
 import { get, LatestRequest, post } from "../core/api.js";
-import { h, pathOf, render, s } from "../core/dom.js";
+import { dotsOf, h, pathOf, render, s } from "../core/dom.js";
 import { rounded } from "../core/gestures.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
@@ -21,10 +21,11 @@ import {
   segments,
   text,
 } from "../parts/forms.js";
-import { definitionOf, lackingOf, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
+import { photographs } from "../parts/missing_fields.js";
+import { definitionOf, lackingOf, scaleFields, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
 import { flagNote } from "./inspector.js";
 import { gridWords, rectification } from "./scale_grid.js";
-import { ScaleImages } from "./scale_images.js";
+import { scaleImages } from "./scale_images.js";
 
 // A scale that is not saved yet, kept while other steps are shown, and over a reload.
 const UNSAVED = "fingerpad.scale";
@@ -105,7 +106,6 @@ class Scales {
     this.#drawList();
     this.#drawForm();
     this.#show(this.file);
-    this.line.set(this.table.line ?? null);
     this.#useTool();
     this.#ask();
   }
@@ -113,9 +113,7 @@ class Scales {
   #pictures() {
     const study = workspace.study;
     const used = [
-      ...study.fingers.flatMap(({ photographs }) =>
-        (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file),
-      ),
+      ...photographs().map(({ file }) => file),
       ...study.observations.map(({ file }) => file),
       ...study.scales.map(({ table }) => /** @type {string | undefined} */ (table.coin)),
       ...study.files.filter(({ kind }) => kind === "picture").map(({ file }) => file),
@@ -133,30 +131,30 @@ class Scales {
       button("New scale", () => this.#start(null), { key: "n" }),
       workspace.study.ready && h("a.button.primary", { href: "#/run/start" }, "Run the study"),
     ]);
+    const item = (kind, name, title, words, uses = null) =>
+      h(
+        "button",
+        {
+          class: `scale-item ${kind}`,
+          type: "button",
+          "aria-pressed": String(this.old?.name === name),
+          onclick: () => this.#start(scaleNamed(name)),
+        },
+        [h("strong", title), h("span.soft", words), uses],
+      );
     render(this.list, [
       workspace.study.scales.map(({ name, words, used_by: uses }) =>
-        h(
-          "button.scale-item",
-          {
-            type: "button",
-            "aria-pressed": String(this.old?.name === name),
-            onclick: () => this.#start(scaleNamed(name)),
-          },
-          [h("strong", name), h("span.soft", words), chip(`${uses} image${uses === 1 ? "" : "s"}`)],
-        ),
+        item("", name, name, words, chip(`${uses} image${uses === 1 ? "" : "s"}`)),
       ),
-      h(
-        "button.scale-item.new",
-        { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
-        [h("strong", "+ New scale"), h("span.soft", "ruler, coin, grid or resolution")],
-      ),
+      item("new", undefined, "+ New scale", "ruler, coin, grid or resolution"),
     ]);
   }
 
   #drawForm() {
     const pictures = this.#pictures();
     const options = pictures.length ? pictures : [["", "no images"]];
-    this.images = new ScaleImages(this.old?.name);
+    const hint = WAYS[this.way].picture;
+    this.images = scaleImages(this.old?.name);
     this.fields = h("div.fields");
     this.nameField = text({
       value: this.name,
@@ -179,18 +177,12 @@ class Scales {
           (way) => this.#choose(way),
         ),
       ]),
-      WAYS[this.way].picture &&
-        h("section", [
-          choiceField("Image", {
-            value: this.file,
-            options,
-            onset: (file) => this.#take(file),
-            hint: WAYS[this.way].picture,
-          }),
-        ]),
-      h("section", this.fields),
-      h("section", this.result),
-      h("section", this.images.parts),
+      hint &&
+        h(
+          "section",
+          choiceField("Image", { value: this.file, options, onset: (file) => this.#take(file), hint }),
+        ),
+      [this.fields, this.result, this.images.parts].map((part) => h("section", part)),
     ]);
     render(this.footer, [
       h("div.actions", [
@@ -200,7 +192,7 @@ class Scales {
       (this.problem = h("div")),
     ]);
     this.#drawFields();
-    this.stage.root.hidden = !WAYS[this.way].picture;
+    this.stage.root.hidden = !hint;
     this.plainWords.hidden = !this.stage.root.hidden;
   }
 
@@ -211,7 +203,7 @@ class Scales {
       this.#ask();
     };
     const fields = { table: this.table, set, redraw: () => this.#drawFields() };
-    render(this.fields, WAYS[this.way].fields(fields));
+    render(this.fields, scaleFields(this.way, fields));
   }
 
   #choose(way) {
@@ -222,20 +214,23 @@ class Scales {
     this.answer = null;
     this.#drawForm();
     this.form.querySelector("[role=radio][aria-checked=true]")?.focus();
-    this.#clearMarks();
-    this.line.set(way === "line" ? (this.table.line ?? null) : null);
+    this.#mark(null);
     this.#useTool();
     if (!this.stage.root.hidden) this.#show(this.file);
     this.#ask();
   }
 
-  #clearMarks() {
-    for (const mark of [this.coin, this.grid]) mark.setAttribute("d", "");
+  /** Draw what is found in the picture. @param {ScaleMeasurement | null} answer */
+  #mark(answer) {
+    const points = answer?.grid?.points_px ?? [];
+    this.coin.setAttribute("d", pathOf(answer?.coin?.outline_px));
+    this.grid.setAttribute("d", dotsOf(points));
   }
 
   /** The tool of this type of scale; the others' marks are hidden. */
   #useTool() {
-    this.rim.set(this.way === "circle" ? (this.table.circle ?? []) : []);
+    this.line.set((this.way === "line" && this.table.line) || null);
+    this.rim.set((this.way === "circle" && this.table.circle) || []);
     this.stage.use({ line: this.line, circle: this.rim }[this.way] ?? null);
   }
 
@@ -243,11 +238,10 @@ class Scales {
     this.live.cancel();
     this.file = file;
     if (this.way === "coin" || this.way === "grid") this.table[this.way] = file;
-    this.#clearMarks();
-    this.line.set(null);
+    this.#mark(null);
     delete this.table.line;
-    this.rim.set([]);
     delete this.table.circle;
+    this.#useTool();
     this.#show(file);
     this.#ask();
   }
@@ -286,26 +280,21 @@ class Scales {
   #showResult(answer) {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px.value);
-    this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
-    this.grid.setAttribute(
-      "d",
-      (answer.grid?.points_px ?? []).map(([row, column]) => `M${column} ${row}h0`).join(""),
-    );
+    this.#mark(answer);
     if (this.way === "line") this.line.write(`${this.table.length_mm} mm`);
+    const uncertainty =
+      answer.relative_std > 0
+        ? `relative uncertainty ${short(answer.relative_std * 100, 2)} %`
+        : "uncertainty not stated";
     render(this.result, [
       h("h3", "Scale"),
       h("p.figure-big.number", { "data-live": "scale" }, answer.mm_per_px.words),
-      h("p.soft.number", [
-        answer.resolution_ppi.words,
-        answer.relative_std > 0
-          ? `, relative uncertainty ${short(answer.relative_std * 100, 2)} %`
-          : ", uncertainty not stated",
-      ]),
+      h("p.soft.number", `${answer.resolution_ppi.words}, ${uncertainty}`),
       answer.coin &&
-        h("p.soft.number", [
-          `${this.way === "circle" ? "circle" : "coin"}: radius `,
-          answer.coin.radius_px.words,
-        ]),
+        h(
+          "p.soft.number",
+          `${this.way === "circle" ? "circle" : "coin"}: radius ${answer.coin.radius_px.words}`,
+        ),
       answer.grid && gridWords(answer.grid),
       flagNote(answer.flags),
       answer.grid &&
@@ -336,12 +325,9 @@ class Scales {
       ...this.images.edits(this.name),
     ];
     if (!(await attempt(this.problem, () => workspace.edit(...edits)))) return;
-    toast(
-      edits.length > 1
-        ? `Scale ${this.name} saved and set for ${edits.length - 1} image${edits.length > 2 ? "s" : ""}.`
-        : `Scale ${this.name} saved.`,
-      { kind: "good" },
-    );
+    const images = edits.length - 1;
+    const set = images ? ` and set for ${images} image${images > 1 ? "s" : ""}` : "";
+    toast(`Scale ${this.name} saved${set}.`, { kind: "good" });
     this.#start(scaleNamed(this.name));
   }
 

@@ -3,64 +3,66 @@
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
+import { photographs } from "../parts/missing_fields.js";
 
-export class ScaleImages {
-  /** @param {string | undefined} scale its name, once it is saved */
-  constructor(scale) {
-    this.scale = scale;
-    /** @type {Map<HTMLInputElement, any>} */
-    this.takers = new Map();
-    this.parts = this.#draw();
-  }
+/** @typedef {{ kind: Edit["kind"], key: string, words: string, scale: any }} Image */
 
-  /** Edits that give a scale to all that are chosen. @param {string} name @returns {Edit[]} */
-  edits(name) {
-    return [...this.takers]
-      .filter(([box, { scale }]) => box.checked && scale !== name)
-      .map(([, { kind, key }]) => ({ kind, key, set: { scale: name } }));
-  }
+/** Photographs, contact images and sequences of the study. @returns {Image[]} */
+const images = () => [
+  ...photographs().map(({ item: key, finger, face, scale }) => ({
+    kind: /** @type {const} */ ("photograph"),
+    key,
+    words: `${finger}, ${face ?? "?"} face`,
+    scale,
+  })),
+  ...workspace.study.observations
+    .filter(({ file }) => file)
+    .map(({ item: key, scale }) => ({ kind: /** @type {const} */ ("observation"), key, words: key, scale })),
+  ...workspace.study.sequences.map(({ name: key, scale }) => ({
+    kind: /** @type {const} */ ("sequence"),
+    key,
+    words: `sequence ${key}`,
+    scale,
+  })),
+];
 
-  #draw() {
-    const study = workspace.study;
-    const rows = [
-      ...study.fingers.flatMap((finger) =>
-        (finger.photographs ?? [])
-          .filter(({ outline }) => !outline)
-          .map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale]),
-      ),
-      ...study.observations
-        .filter(({ file }) => file)
-        .map((each) => ["observation", each.item, each.item, each.scale]),
-      ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
-    ];
-    // Photographs and contact images rarely share a camera: select the first kind that lacks a scale.
-    const lacking = rows.find((row) => !row[3])?.[0];
-    const boxes = rows.map(([kind, key, label, scale]) => {
-      const mine = this.scale && scale === this.scale;
-      const box = h("input", {
-        type: "checkbox",
-        checked: mine || (!this.scale && !scale && kind === lacking),
-      });
-      this.takers.set(box, { kind, key, scale });
-      return h("label.check", { "data-kind": kind }, [
-        box,
-        h("span", label),
-        h("span.soft", scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet"),
-      ]);
-    });
-    const only = (kind) => {
-      for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
+/**
+ * Boxes to choose images, and the edits that give all chosen ones a scale by its name.
+ *
+ * @param {string | undefined} scale its name, once it is saved
+ * @returns {{ parts: any[], edits: (name: string) => Edit[] }}
+ */
+export function scaleImages(scale) {
+  const all = images();
+  // Photographs and contact images rarely share a camera: select the first kind that lacks a scale.
+  const lacking = all.find((one) => !one.scale)?.kind;
+  const rows = all.map((one) => {
+    const mine = scale && one.scale === scale;
+    const checked = mine || (!scale && !one.scale && one.kind === lacking);
+    const box = h("input", { type: "checkbox", checked });
+    const other = typeof one.scale === "string" ? one.scale : "own scale";
+    const now = mine ? "" : one.scale ? other : "none yet";
+    const row = h("label.check", { "data-kind": one.kind }, [box, h("span", one.words), h("span.soft", now)]);
+    return { ...one, box, row };
+  });
+  const only = (words, wanted) => {
+    const choose = () => {
+      for (const { box, kind } of rows) box.checked = kind === wanted;
     };
-    const has = (kind) => rows.some(([other]) => other === kind);
-    return [
+    return rows.some(({ kind }) => kind === wanted) && button(words, choose, { kind: "small" });
+  };
+  const boxes = { tabindex: 0, role: "group", "aria-label": "Images with this scale" };
+  return {
+    parts: [
       h("h3", "Images with this scale"),
       rows.length
-        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
+        ? h("div.takers", boxes, [rows.map(({ row }) => row)])
         : h("p.soft", "No images yet; choose this scale when you add them."),
-      h("div.actions", [
-        has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
-        has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
-      ]),
-    ];
-  }
+      h("div.actions", [only("Only photographs", "photograph"), only("Only contact images", "observation")]),
+    ],
+    edits: (name) =>
+      rows
+        .filter((one) => one.box.checked && one.scale !== name)
+        .map(({ kind, key }) => ({ kind, key, set: { scale: name } })),
+  };
 }

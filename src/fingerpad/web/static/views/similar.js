@@ -1,6 +1,6 @@
 // The settings of one image's correction on all images of that finger and device: each is accepted or left.
 
-import { get, picture, post } from "../core/api.js";
+import { get, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
 import { h, pathOf, render, s } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
@@ -48,7 +48,7 @@ class Card {
 
   #draw(info, now, then) {
     render(this.picture, [
-      h("img", { src: info.preview ?? picture("preview", this.image.item), alt: "", loading: "lazy" }),
+      h("img", { src: info.preview, alt: "", loading: "lazy" }),
       s("svg.overlay", { viewBox: `-0.5 -0.5 ${info.columns_px} ${info.rows_px}` }, [
         s("path.own", { d: pathOf(now?.outline_px) }),
         s("path.region", { d: pathOf(then?.outline_px) }),

@@ -54,19 +54,13 @@ class StudyView {
     const { study } = workspace;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
-    update(this.heading, [
-      h("h1", study.title || study.name),
-      h("p", [
-        [
-          count(study.fingers.length, "finger"),
-          count(study.observations.length, "contact"),
-          study.sequences.length && count(study.sequences.length, "sequence"),
-          study.curves.length && count(study.curves.length, "loading data set"),
-        ]
-          .filter(Boolean)
-          .join(", "),
-      ]),
-    ]);
+    const parts = [
+      count(study.fingers.length, "finger"),
+      count(study.observations.length, "contact"),
+      study.sequences.length && count(study.sequences.length, "sequence"),
+      study.curves.length && count(study.curves.length, "loading data set"),
+    ];
+    update(this.heading, [h("h1", study.title || study.name), h("p", parts.filter(Boolean).join(", "))]);
     update(this.ready, [
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
@@ -87,16 +81,11 @@ class StudyView {
     const notes = [...doubtNotes(), ...axesNotes()];
     if (ready && !missing.length) {
       if (notes.length) return h("section.card", { "aria-label": "To check" }, h("div.stack", notes));
-      if (observations.length + sequences.length)
-        return h("section.card", [
-          h("div.note.good", [h("strong", "Nothing is missing."), " The study can run."]),
-        ]);
-      return h("section.card", [
-        h("div.note", [
-          h("strong", "No contacts yet."),
-          " Drop contact images or a sequence, and enter finger, angle and load.",
-        ]),
-      ]);
+      const [kind, said, more] =
+        observations.length + sequences.length
+          ? ["good", "Nothing is missing.", " The study can run."]
+          : ["", "No contacts yet.", " Drop contact images or a sequence, and enter finger, angle and load."];
+      return h("section.card", h("div", { class: `note ${kind}` }, [h("strong", said), more]));
     }
     return h("section.card", { "aria-label": "Missing" }, [
       h("header", [h("h2", "Missing"), h("span.soft", missing.length)]),
@@ -138,10 +127,7 @@ class StudyView {
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         choiceField("Propagation of uncertainty", {
           value: now.method ?? "first_order",
-          options: [
-            ["first_order", "linear (first order)"],
-            ["monte_carlo", "Monte Carlo"],
-          ],
+          options: METHODS,
           onset: (value) => this.#change("uncertainty", { method: value }),
           wide: true,
         }),
@@ -161,18 +147,9 @@ class StudyView {
           APPARATUS.map(([key, words, example]) =>
             textField(words, { value: now[key], placeholder: example, onset: onset(key), wide: true }),
           ),
-          numberField("Velocity of approach", {
-            value: now.approach_mm_per_s,
-            min: 0,
-            onset: onset("approach_mm_per_s"),
-            unit: "mm/s",
-          }),
-          numberField("Dwell before the image", {
-            value: now.dwell_s,
-            min: 0,
-            onset: onset("dwell_s"),
-            unit: "s",
-          }),
+          SPEEDS.map(([key, words, unit]) =>
+            numberField(words, { value: now[key], min: 0, onset: onset(key), unit }),
+          ),
         ]),
         this.problems.apparatus,
       ]),
@@ -208,6 +185,17 @@ class StudyView {
     ]);
   }
 }
+
+const METHODS = [
+  ["first_order", "linear (first order)"],
+  ["monte_carlo", "Monte Carlo"],
+];
+
+/** Keys of the apparatus that are numbers: key, label, unit. */
+const SPEEDS = [
+  ["approach_mm_per_s", "Velocity of approach", "mm/s"],
+  ["dwell_s", "Dwell before the image", "s"],
+];
 
 /** Keys of the apparatus that are words: key, label, example. */
 const APPARATUS = [

@@ -1,15 +1,30 @@
 // The table of fingers: semi-axes, thickness and photographs.
 
-import { picture } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
-import { button, chip, field, namePattern, number, numberIn, synthetic, text } from "../parts/forms.js";
+import {
+  button,
+  chip,
+  field,
+  namePattern,
+  number,
+  numberIn,
+  synthetic,
+  text,
+  thumbnail,
+} from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/notes.js";
 import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js";
 
 const PAGE = 12;
+
+/** A length, and its uncertainty. */
+const quantityFields = (words, value, std) => [
+  field(words, value, { unit: "mm" }),
+  field("± (standard uncertainty)", std, { unit: "mm" }),
+];
 
 export class FingerTable {
   /** @param {import("./study_tables.js").StudyTables} tables */
@@ -24,17 +39,13 @@ export class FingerTable {
       this.page = page;
       this.tables.draw();
     });
+    const thickness = { words: "Thickness, mm", title: "effective thickness of the tissue over bone" };
+    const axes = AXES.map(([, words]) => ({ words: `${words}, mm` }));
     return tableCard("Fingers", {
       words: "semi-axes from photographs or entered",
       actions: [pager, button("Add a finger", () => this.#addFinger(), { kind: "small" })],
-      headings: [
-        "Finger",
-        ...AXES.map(([, words]) => ({ words: `${words}, mm` })),
-        { words: "Thickness, mm", title: "effective thickness of the tissue over bone" },
-        "Photographs",
-        "",
-      ],
-      rows: fingers.length && shown.map((finger) => this.#finger(finger)),
+      headings: ["Finger", ...axes, thickness, "Photographs", ""],
+      rows: shown.map((finger) => this.#finger(finger)),
       none: "No fingers yet. Add a photograph, or enter the semi-axes.",
     });
   }
@@ -42,15 +53,11 @@ export class FingerTable {
   /** @param {Finger} finger */
   #finger(finger) {
     const { name, photographs, semi_axes_mm: axes, effective_thickness_mm: thickness } = finger;
+    const chips = [synthetic(finger.synthetic), incompleteChip(finger), staleChip(name, "out of date")];
     return row(
       cell(
         h("strong", name),
-        " ",
-        synthetic(finger.synthetic),
-        " ",
-        incompleteChip(finger),
-        " ",
-        staleChip(name, "out of date"),
+        chips.map((one) => [" ", one]),
       ),
       AXES.map(([axis]) => h("td.number", axes?.[axis].words ?? "–")),
       h("td.number", [
@@ -84,21 +91,14 @@ export class FingerTable {
     const words = [photograph.face, photograph.outline && "outline"].filter(Boolean).join(", ");
     const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     const name = photograph.file?.split("/").at(-1);
+    const mark = words && chip(words, kind);
+    const link = {
+      href: `#/photographs/${encodeURIComponent(photograph.item)}`,
+      title: photograph.file,
+      "aria-label": `Photograph ${name}`,
+    };
     return h("div.face", [
-      photograph.outline
-        ? words && chip(words, kind)
-        : h(
-            "a.face-link",
-            {
-              href: `#/photographs/${encodeURIComponent(photograph.item)}`,
-              title: photograph.file,
-              "aria-label": `Photograph ${name}`,
-            },
-            [
-              h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
-              words && chip(words, kind),
-            ],
-          ),
+      photograph.outline ? mark : h("a.face-link", link, [thumbnail(photograph.item), mark]),
       missingList(missingOf("photograph", photograph.item)),
       this.tables.removal("photograph", photograph.item, `the photograph ${name}`),
     ]);
@@ -107,9 +107,7 @@ export class FingerTable {
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value, pattern: namePattern() });
-    const body = h("div", [
-      field("Name of the finger", name, { hint: "Letters, digits, - and _. A space becomes _." }),
-    ]);
+    const body = field("Name of the finger", name, { hint: "Letters, digits, - and _. A space becomes _." });
     return (await ask(words, body, doing)) ? name.value.trim() : "";
   }
 
@@ -153,12 +151,7 @@ export class FingerTable {
         "p",
         "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.",
       ),
-      h("div.fields.two", [
-        inputs.map(([, words, value, its]) => [
-          field(words, value, { unit: "mm" }),
-          field("± (standard uncertainty)", its, { unit: "mm" }),
-        ]),
-      ]),
+      h("div.fields.two", [inputs.map(([, ...its]) => quantityFields(...its))]),
     ]);
     requireAll();
     const save = await ask(`Semi-axes of ${finger.name}`, body, "Save");
@@ -181,10 +174,7 @@ export class FingerTable {
           "narrow and curved bone. Results then show the whole pad on that layer beside Hertz theory. " +
           "Without an uncertainty it is taken as exact; empty fields remove it.",
       ),
-      h("div.fields.two", [
-        field("Effective thickness", value, { unit: "mm" }),
-        field("± (standard uncertainty)", its, { unit: "mm" }),
-      ]),
+      h("div.fields.two", quantityFields("Effective thickness", value, its)),
     ]);
     if (!(await ask(`Thickness of ${finger.name}`, body, "Save"))) return;
     this.tables.change("finger", finger.name, {

@@ -114,13 +114,15 @@ export class StudyTables {
       observations.some(({ roll_angle_deg: roll }) => roll) ||
       workspace.study.uncertainty.roll_angle_deg_std > 0;
     const roll = rolled ? ["Roll, °"] : [];
+    const none =
+      !observations.length && "No contacts yet. Drop contact images above; each is one contact at one load.";
     const find = { type: "search", placeholder: "name or finger", "aria-label": "Find contacts", oninput };
     return tableCard("Contacts", {
       words: wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all`,
       actions: (many || pager) && [many && h("input", find), pager],
       headings: ["Contact", "Finger", "Wedge, °", ...roll, "Load, N", "Scale", "Status", ""],
-      rows: observations.length && shown.map((one) => this.#contact(one, rolled)),
-      none: "No contacts yet. Drop contact images above; each is one contact at one load.",
+      rows: shown.map((one) => this.#contact(one, rolled)),
+      none,
     });
   }
 
@@ -193,7 +195,7 @@ export class StudyTables {
       words: ["force–displacement curves, or ", symbol("R_g"), " from elsewhere"],
       actions: button(words, () => this.#addRadius(), { kind: "small", disabled }),
       headings: ["Source", "Finger", "Wedge, °", { words: [symbol("R_g"), ", mm"] }, "Status", ""],
-      rows: curves.length && curves.map((one) => this.#curve(one)),
+      rows: curves.map((one) => this.#curve(one)),
       none: [
         "None. The study runs without them; ",
         symbol("R_g"),

@@ -82,15 +82,7 @@ class Welcome {
   #create = withoutOverlap(async () => {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
-    const name =
-      title
-        .normalize("NFKD")
-        .replace(/\p{M}/gu, "")
-        .toLowerCase()
-        .replace(/[^a-z0-9]+/g, "-")
-        .replace(/^-+|-+$/g, "")
-        .slice(0, 60) || "study";
-    if (await attempt(this.problem, () => workspace.create(name, title))) location.hash = "#/study";
+    if (await attempt(this.problem, () => workspace.create(title))) location.hash = "#/study";
     return undefined;
   });
 
@@ -98,16 +90,7 @@ class Welcome {
 
   async #import(file) {
     if (!file) return;
-    const stem =
-      file.name
-        .replace(/\.zip$/i, "")
-        .replace(/[^A-Za-z0-9._-]+/g, "-")
-        .replace(/^[.-]+/, "")
-        .slice(0, 56) || "study";
-    const taken = new Set(workspace.session.studies.map((study) => study.name));
-    let name = stem;
-    for (let number = 2; taken.has(name); number += 1) name = `${stem}-${number}`;
-    const response = await fetch(`/api/session/import?${new URLSearchParams({ name })}`, {
+    const response = await fetch(`/api/session/import?${new URLSearchParams({ file: file.name })}`, {
       method: "POST",
       headers: { "content-type": "application/zip" },
       body: file,
