@@ -29,9 +29,15 @@ export const context = { study: /** @type {string | null} */ (null) };
  * The address of a request: about this window's study, or, with `/api/`, about the workspace.
  *
  * @param {string} path
+ * @param {Record<string, any>} [query] of which nothing empty is sent
  */
-export const addressOf = (path) =>
-  path.startsWith("/api/") ? path : `/api/studies/${encodeURIComponent(context.study)}${path}`;
+export function addressOf(path, query = {}) {
+  const known = Object.entries(query).filter(([, value]) => (value ?? "") !== "");
+  const address = path.startsWith("/api/")
+    ? path
+    : `/api/studies/${encodeURIComponent(context.study)}${path}`;
+  return known.length ? `${address}?${new URLSearchParams(Object.fromEntries(known))}` : address;
+}
 
 /**
  * @param {string} method
@@ -40,13 +46,17 @@ export const addressOf = (path) =>
  * @returns {Promise<any>}
  */
 async function request(method, path, { body, query, signal }) {
-  const address = addressOf(query ? `${path}?${new URLSearchParams(withoutEmpty(query))}` : path);
   /** @type {Record<string, string>} */
   const headers = {};
   if (body !== undefined) headers["content-type"] = "application/json";
   let response;
   try {
-    response = await fetch(address, { method, signal, headers, body: body && JSON.stringify(body) });
+    response = await fetch(addressOf(path, query), {
+      method,
+      signal,
+      headers,
+      body: body && JSON.stringify(body),
+    });
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new ApiError(0);
@@ -54,12 +64,6 @@ async function request(method, path, { body, query, signal }) {
   const answer = await response.json().catch(() => null);
   if (!response.ok) throw new ApiError(response.status, answer);
   return answer;
-}
-
-function withoutEmpty(query) {
-  return Object.fromEntries(
-    Object.entries(query).filter(([, value]) => value !== undefined && value !== null && value !== ""),
-  );
 }
 
 /**
@@ -89,7 +93,7 @@ export const post = (path, body, signal) => request("POST", path, { body: body ?
 export const remove = (path, body) => request("DELETE", path, { body });
 
 /** Address of a small picture of an item. @param {string} item */
-export const thumbnailOf = (item) => addressOf(`/picture/thumbnail?${new URLSearchParams({ item })}`);
+export const thumbnailOf = (item) => addressOf("/picture/thumbnail", { item });
 
 /** Where a contact image, or a frame of a sequence, is reviewed. */
 export const contactAddress = (item, sequence = null) =>
@@ -108,8 +112,7 @@ export const download = (file) => addressOf(`/download/${file}`);
 export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    const query = new URLSearchParams(withoutEmpty({ name: file.name, folder }));
-    request.open("POST", addressOf(`/files?${query}`));
+    request.open("POST", addressOf("/files", { name: file.name, folder }));
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
     request.onload = () =>

@@ -1,7 +1,7 @@
 // Phases of a sequence as bands over time, whose limits are moved by pointer or keys.
 
 import { Corrections } from "../core/corrections.js";
-import { h, render, s } from "../core/dom.js";
+import { attributes, h, render, s } from "../core/dom.js";
 import { drag } from "../core/gestures.js";
 import { showError } from "../core/messages.js";
 import { ago, short } from "../core/quantity.js";
@@ -47,13 +47,8 @@ export class PhaseLimits {
       this.#corrections?.keep(() => ({})),
     );
     this.reason = h("label.why", ["Reason", this.why]);
-    this.bar = h("div.trace-bar", { hidden: true }, [
-      this.words,
-      this.reason,
-      this.undoButton,
-      this.redoButton,
-      this.resetButton,
-    ]);
+    const buttons = [this.undoButton, this.redoButton, this.resetButton];
+    this.bar = h("div.trace-bar", { hidden: true }, [this.words, this.reason, buttons]);
   }
 
   /**
@@ -183,14 +178,13 @@ export class PhaseLimits {
     node.style.left = `${x(Math.max(ends[0], Math.min(ends[1], start)))}px`;
     node.style.top = `${bottom}px`;
     node.title = `${name}: drag it, or use the arrow keys`;
-    for (const [key, value] of Object.entries({
-      label: name,
-      valuemin: low,
-      valuemax: high,
-      valuenow: start,
-      valuetext: `${short(start)} s`,
-    }))
-      node.setAttribute(`aria-${key}`, String(value));
+    attributes(node, {
+      "aria-label": name,
+      "aria-valuemin": low,
+      "aria-valuemax": high,
+      "aria-valuenow": start,
+      "aria-valuetext": `${short(start)} s`,
+    });
   }
 
   /** Between which times a limit can be moved: no phase passes another. */

@@ -1,6 +1,6 @@
 // Force and contact area of a sequence over time, and area against force, with the current frame.
 
-import { h, render, s } from "../core/dom.js";
+import { attributes, h, render, s } from "../core/dom.js";
 import { drag } from "../core/gestures.js";
 import { percent, short } from "../core/quantity.js";
 import { button } from "../parts/forms.js";
@@ -14,6 +14,7 @@ const SIDE_LEFT = 26;
 // Between frames that are played: long enough to see the outline.
 const PAUSE_MS = 100;
 
+const AREA = { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true };
 /** What areas and aspect ratios are drawn against. */
 const FORCE = { by: "load_N", label: "force (N)", against: "force" };
 const INDENTATION = {
@@ -46,6 +47,12 @@ function dots(places) {
   });
 }
 
+/** The path of some dots. @param {{ d: string }[]} some */
+const joined = (some) => some.map(({ d }) => d).join("");
+
+const label = (x, y, words, kind = "", anchor = "start") =>
+  s("text", { x, y, class: kind, "text-anchor": anchor }, words);
+
 /** The index of the nearest value in a rising list. */
 function nearest(values, wanted) {
   let low = 0;
@@ -72,16 +79,11 @@ export class SequenceTraces {
   constructor(events) {
     this.events = events;
     this.phases = new PhaseLimits();
-    this.plot = s("svg", {
-      height: HEIGHT,
-      role: "slider",
-      tabindex: 0,
-      "aria-label": "Time of the frame",
-      "aria-valuenow": 0,
-    });
+    const slider = { role: "slider", tabindex: 0, "aria-label": "Time of the frame", "aria-valuenow": 0 };
+    this.plot = s("svg", { height: HEIGHT, ...slider });
     this.sides = [
-      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...FORCE },
-      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...INDENTATION },
+      { ...AREA, ...FORCE },
+      { ...AREA, ...INDENTATION },
       { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false, ...FORCE },
     ].map((side) => ({
       ...side,
@@ -168,15 +170,8 @@ export class SequenceTraces {
     this.areaY = scale(0, greatest(areas) || 1, bottom, PAD.top);
     this.plot.setAttribute("width", String(width));
     const number = (value) => short(value, 2);
-    const label = (x, y, words, kind, anchor = "start") =>
-      s("text", { x, y, class: kind, "text-anchor": anchor }, words);
-    this.areas = s("g.areas", [
-      s("path", {
-        d: dots(areas.map((area, k) => (area ? [this.x(times[k]), this.areaY(area)] : null)))
-          .map(({ d }) => d)
-          .join(""),
-      }),
-    ]);
+    const measured = areas.map((area, k) => (area ? [this.x(times[k]), this.areaY(area)] : null));
+    this.areas = s("g.areas", s("path", { d: joined(dots(measured)) }));
     this.line = s("path.cursor", { d: `M0 ${PAD.top}V${bottom}`, visibility: "hidden" });
     render(this.plot, [
       this.phases.bands,
@@ -223,15 +218,13 @@ export class SequenceTraces {
       );
       side.grown = s("path.grown");
       side.drawn = 0;
-      const number = (value) => short(value, 3);
       render(side.plot, [
         s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${right}` }),
-        s("path.all", { d: side.points.map(({ d }) => d).join("") }),
+        s("path.all", { d: joined(side.points) }),
         side.grown,
-        s("text", { x: right, y: HEIGHT - 6, "text-anchor": "end" }, side.label),
-        s("text", { x: SIDE_LEFT + 6, y: PAD.top + 9 }, side.words),
-        side.points.length > 0 &&
-          s("text", { x: right, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
+        label(right, HEIGHT - 6, side.label, "", "end"),
+        label(SIDE_LEFT + 6, PAD.top + 9, side.words),
+        side.points.length > 0 && label(right, PAD.top + 9, `≤ ${short(high, 3)}`, "", "end"),
       ]);
       side.plot.style.display = side.points.length ? "" : "none";
     }
@@ -247,18 +240,14 @@ export class SequenceTraces {
       const count = side.points.findLastIndex(({ index }) => index <= this.#at) + 1;
       if (count === side.drawn) continue;
       side.drawn = count;
-      side.grown.setAttribute(
-        "d",
-        side.points
-          .slice(0, count)
-          .map(({ d }) => d)
-          .join(""),
-      );
+      side.grown.setAttribute("d", joined(side.points.slice(0, count)));
     }
-    this.plot.setAttribute("aria-valuemin", String(this.#frames[0].time_s));
-    this.plot.setAttribute("aria-valuemax", String(this.#frames.at(-1).time_s));
-    this.plot.setAttribute("aria-valuenow", String(frame.time_s));
-    this.plot.setAttribute("aria-valuetext", `frame ${frame.frame}, ${short(frame.time_s)} s`);
+    attributes(this.plot, {
+      "aria-valuemin": this.#frames[0].time_s,
+      "aria-valuemax": this.#frames.at(-1).time_s,
+      "aria-valuenow": frame.time_s,
+      "aria-valuetext": `frame ${frame.frame}, ${short(frame.time_s)} s`,
+    });
   }
 
   #press(event) {

@@ -30,9 +30,8 @@ async function openFigureSettings({ name, caption }) {
 
   const address = (kind, more = {}) => {
     const changed = settings.colours.some((colour, place) => colour !== details.colours[place]);
-    const all = { ...settings, ...more, name, kind, colours: changed ? settings.colours.join(",") : null };
-    const known = Object.entries(all).filter(([, value]) => value !== null && value !== "");
-    return addressOf(`/results/figure/file?${new URLSearchParams(Object.fromEntries(known))}`);
+    const colours = changed ? settings.colours.join(",") : null;
+    return addressOf("/results/figure/file", { ...settings, ...more, name, kind, colours });
   };
   const draw = async () => {
     const mine = ++newest;

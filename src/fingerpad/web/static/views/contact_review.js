@@ -71,8 +71,7 @@ export class ContactReview extends Review {
       if (!newest()) return;
       [this.levels, this.levelsKey] = [levels, key];
     }
-    const levels = this.levels && { ...this.levels };
-    if (levels && this.blind) levels.automatic_threshold = null;
+    const levels = this.levels && { ...this.levels, ...(this.blind && { automatic_threshold: null }) };
     this.inspector.levels(levels, threshold ?? null);
   }
 

@@ -40,22 +40,19 @@ export class Inspector {
 
   /** Brightness and contrast of the picture on the screen. */
   #look() {
-    const look = { brightness: 100, contrast: 100 };
-    const set = (key, value) => {
-      look[key] = value;
-      sliders[key].show(value);
-      this.view.stage.setLook(look.brightness, look.contrast);
+    const look = [100, 100];
+    const set = (place, value) => {
+      look[place] = value;
+      sliders[place].show(value);
+      this.view.stage.setLook(...look);
     };
-    const make = (key, words) =>
-      slider(words, { value: 100, min: 20, max: 400, unit: "%", onset: (value) => set(key, value) });
-    const sliders = { brightness: make("brightness", "Brightness"), contrast: make("contrast", "Contrast") };
-    const resetAll = () => {
-      for (const key of Object.keys(look)) set(key, 100);
-    };
-    const reset = button("Reset", resetAll, { kind: "small" });
+    const sliders = ["Brightness", "Contrast"].map((words, place) =>
+      slider(words, { value: 100, min: 20, max: 400, unit: "%", onset: (value) => set(place, value) }),
+    );
+    const reset = button("Reset", () => look.forEach((_, place) => void set(place, 100)), { kind: "small" });
     return h("details", [
       h("summary", "Brightness and contrast, for looking only"),
-      h("div.stack-small", [sliders.brightness, sliders.contrast, reset]),
+      h("div.stack-small", [sliders, reset]),
     ]);
   }
 

@@ -93,16 +93,11 @@ export class PhotographInspector extends Inspector {
 
   /** @param {PhotographMeasurement} answer */
   #pad({ finger, finger_error: problem }) {
-    if (finger === undefined || (finger === null && !problem)) {
-      if (!this.parts.pad.querySelector("[data-live]"))
-        render(this.parts.pad, [h("h3", "All faces combined"), h("p.soft", "Measuring the other faces …")]);
-      return;
-    }
     if (!finger) {
-      render(this.parts.pad, [
-        h("h3", "All faces combined"),
-        h("p.soft", problem ?? "At least two faces are needed."),
-      ]);
+      // What was measured before stays while the other faces are measured again.
+      if (!problem && this.parts.pad.querySelector("[data-live]")) return;
+      const words = problem ?? "Measuring the other faces …";
+      render(this.parts.pad, [h("h3", "All faces combined"), h("p.soft", words)]);
       return;
     }
     const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;

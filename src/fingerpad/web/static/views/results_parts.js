@@ -148,11 +148,9 @@ export async function showSimulator(root) {
 /** @param {Answers["BudgetGroup"]} group @param {Answers["FigureEntry"][]} figures */
 function simulatorCard(group, figures, asked) {
   const { finger, wedge_angle_deg: wedge } = group;
-  const query = Object.fromEntries(
-    Object.entries({ finger, wedge_angle_deg: wedge.value, ...asked }).filter(([, value]) => value !== null),
-  );
+  const query = { finger, wedge_angle_deg: wedge.value, ...asked };
   const link = {
-    href: addressOf(`/results/simulator/file?${new URLSearchParams(query)}`),
+    href: addressOf("/results/simulator/file", query),
     "aria-label": `Files of ${finger}, wedge ${wedge.words}`,
     download: "",
   };

@@ -232,13 +232,12 @@ export class StudyTables {
       field("± (standard uncertainty)", std, { unit: "mm" }),
     ]);
     if (!(await ask("R_g from loading data", fields, "Add")) || numberIn(radius) === null) return;
-    const entered = {
+    const entered = Object.entries({
       finger: finger.value,
       loading_radius_mm: numberIn(radius),
       wedge_angle_deg: numberIn(wedge),
       loading_radius_mm_std: numberIn(std),
-    };
-    const set = Object.fromEntries(Object.entries(entered).filter(([, value]) => value !== null));
-    this.change("curve", String(workspace.study.curves.length), set);
+    }).filter(([, value]) => value !== null);
+    this.change("curve", String(workspace.study.curves.length), Object.fromEntries(entered));
   }
 }

@@ -1,6 +1,6 @@
 // The start page: create, open or import a study.
 
-import { ApiError } from "../core/api.js";
+import { ApiError, addressOf } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
@@ -90,7 +90,7 @@ class Welcome {
 
   async #import(file) {
     if (!file) return;
-    const response = await fetch(`/api/session/import?${new URLSearchParams({ file: file.name })}`, {
+    const response = await fetch(addressOf("/api/session/import", { file: file.name }), {
       method: "POST",
       headers: { "content-type": "application/zip" },
       body: file,
