@@ -57,7 +57,7 @@ def two_digits(std: float, value: float = 0.0) -> str:
 
 
 def _plain(value: float) -> str:
-    """Return a number without an uncertainty, as `plain` in the page's ``core/quantity.js``."""
+    """Return a number without an uncertainty."""
     if value == 0:
         return "0"
     if abs(value) < 1:

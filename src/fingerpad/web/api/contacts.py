@@ -26,7 +26,7 @@ from fingerpad.study.corrections.apply import (
     measured_under,
     prepared_contact,
 )
-from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
 from fingerpad.study.corrections.items import parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
@@ -77,14 +77,6 @@ class AutomaticContact(ContactNumbers):
     """The automatic measurement, to compare with a corrected one."""
 
     outline_px: list[Point]
-
-
-class ContactEllipsePx(Answer):
-    """A contact ellipse; the angle is that of the major axis from straight up."""
-
-    centre: Point
-    semi_axes: Point
-    orientation_deg: float
 
 
 class ContactHandles(Answer):
@@ -138,7 +130,7 @@ class ContactMeasurement(Answer):
     item: str
     by: MeasuredBy
     outline_px: list[Point]
-    ellipse_px: ContactEllipsePx
+    ellipse_px: ManualContactEllipse
     handles: ContactHandles
     numbers: ContactNumbers
     automatic: AutomaticContact | None

@@ -2,7 +2,7 @@
 
 from functools import partial
 from itertools import pairwise
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final
 
 import numpy as np
 from pydantic import Field
@@ -11,6 +11,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
+from fingerpad.study.corrections.changes import PhaseStart
 from fingerpad.study.engine.task import in_study
 from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.web.answers import Answer
@@ -24,13 +25,6 @@ _STEPS: Final = 1000
 _SHIFTS: Final = 81
 # Frames are displaced by up to this share of the time that they cover.
 _FARTHEST: Final = 0.2
-
-
-class PhaseStart(Answer):
-    """A phase of a press, and the time on the force's clock after which it begins."""
-
-    phase: Literal["before", "loading", "hold", "unloading", "after"]
-    start_s: float
 
 
 class SequenceSignal(Answer):
