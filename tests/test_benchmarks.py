@@ -54,6 +54,12 @@ def test_a_package_that_is_missing_is_named(monkeypatch):
         command.measure("simulators", {})
 
 
+def test_prints_that_are_missing_make_no_empty_table(monkeypatch, tmp_path):
+    monkeypatch.setenv("FINGERPAD_PRINTS", str(tmp_path))
+    with pytest.raises(SystemExit, match="FINGERPAD_PRINTS names where they lie"):
+        command.measure("real_prints", {})
+
+
 def test_texts_name_benchmarks_that_are_there():
     named = {
         found

@@ -5,6 +5,7 @@ down on 2026-11-25 in front of the overlays; they have to be looked at again whe
 """
 
 import os
+import sys
 from pathlib import Path
 from typing import Final
 
@@ -32,6 +33,8 @@ SEEN: Final = {
 def report() -> None:
     """Print what is measured of each print."""
     folder = Path(os.environ.get("FINGERPAD_PRINTS", ROOT.parent / "shared" / "data"))
+    if not any((folder / name).is_dir() for name in PRINTS):
+        sys.exit(f"{folder} has no folder {', '.join(PRINTS)}: FINGERPAD_PRINTS names where they lie")
     rows = []
     for name, ppi in PRINTS.items():
         for path in sorted((folder / name).glob("*.p[ng][mg]")):
