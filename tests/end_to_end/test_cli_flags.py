@@ -33,6 +33,7 @@ IN_PLAIN_WORDS = {
 }  # fmt: skip
 # One example of each command, which runs in the folder of the fixture.
 VALID = {
+    "init": "fresh",
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
     "hertz": "--radii-mm 12 14 --reduced-modulus-kpa 100 --load-n 2",
     "modulus": "--semi-axes-mm 8 14 12 --wedge-deg 30 --load-n 2 --area-mm2 90",

@@ -24,14 +24,14 @@ def answer(folder: Path, *tables: Table) -> Answer:
 def test_bone_that_nobody_stated_is_said_to_be_unknown(tmp_path: Path) -> None:
     found = answer(tmp_path, finger(), press(0.02, 1.2, 1.16, roll=-10))
     assert found.label == "f, 30°, roll −10°"
-    assert "kPa, bone unknown; Hertz theory " in found.sentence
+    assert "kPa (0.02 N), bone unknown; Hertz theory " in found.sentence
     assert not found.on_bone
 
 
 def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path: Path) -> None:
     found = answer(tmp_path, THICK, press())
     without = answer(tmp_path, finger(), press())
-    assert " kPa on its bone (layer fails: shape +" in found.sentence
+    assert " kPa (2 N) on its bone (layer fails: shape +" in found.sentence
     assert found.on_bone
     assert found.modulus < without.modulus
     assert (found.area, found.load) == (pytest.approx(math.pi * 7.4 * 5.0), 2)
@@ -47,7 +47,7 @@ def test_where_both_models_fail_both_moduli_are_said(tmp_path: Path) -> None:
 
 def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path: Path) -> None:
     found = answer(tmp_path, THICK, press(2, 14, 9))
-    assert " kPa without bone; Hertz theory fails" in found.sentence
+    assert " kPa (2 N) without bone; Hertz theory fails" in found.sentence
 
 
 def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path: Path) -> None:

@@ -86,10 +86,10 @@ def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
 
 def test_loads_and_angles_in_other_units_are_noted(tmp_path: Path) -> None:
     assert fp.run_study(make(tmp_path, load=2000, second=0.785)).notes == (
-        "heavy: more than 100 N: load_N is in newtons, not millinewtons",
-        "light: less than 1.6°: wedge_angle_deg is in degrees, not radians",
+        "heavy: more than 100 N: is load_N in millinewtons, not newtons?",
+        "light: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
     )
     assert fp.run_study(make(tmp_path, first=1.2, second=0.5)).notes == (
-        "heavy and 1 more: less than 1.6°: wedge_angle_deg is in degrees, not radians",
+        "heavy and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
     )
     assert fp.run_study(make(tmp_path, load=100, second=0)).notes == ()

@@ -12,7 +12,7 @@ from tests.studies import PAD, Table, contact, curve, finger, rows_of, summary_o
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.exceptions import FingerpadError
-from fingerpad.report.text import to_do
+from fingerpad.report.text import remedies, to_do
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
@@ -87,8 +87,26 @@ def test_the_check_that_sees_it_says_so_and_others_do_not(
     tmp_path: Path, case: str, check: str, holding: str
 ) -> None:
     validity = simulated(CASES[case], 1, tmp_path).validity
-    assert named(validity, check).verdict == FAILS
+    # By 15 % an area may fall because another press has another area: nothing here was repeated.
+    assert named(validity, check).verdict == (STRAINED if check == "area_falls" else FAILS)
     assert named(validity, holding).verdict in {HOLDS, NOT_TESTED}
+
+
+def test_the_scatter_of_presses_is_in_checks_over_loads(tmp_path: Path) -> None:
+    """Two presses 5 % apart are no failure of the theory; a fall that repeats confirm is."""
+
+    def falls(folder: str, areas: tuple[float, ...], *, synthetic: bool = False) -> ValidityCheck:
+        sizes = [
+            contact(f"c{k}", (1.0, 1.3)[k % 2], (7 * area**0.5, 5 * area**0.5), std=0.01, synthetic=synthetic)
+            for k, area in enumerate(areas)
+        ]
+        (validity,) = studies.run(tmp_path / folder, finger(synthetic=synthetic), *sizes).validities
+        return named(validity, "area_falls")
+
+    assert falls("once", (1, 0.95)).verdict in {HOLDS, NOT_TESTED}
+    assert falls("far", (1, 0.6)).verdict == FAILS
+    assert falls("repeated", (1, 0.85, 1.01, 0.86, 0.99, 0.84, 1, 0.85)).verdict == FAILS
+    assert falls("rendered", (1, 0.85), synthetic=True).verdict == FAILS  # nobody presses a rendered finger
 
 
 def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path: Path) -> None:
@@ -243,8 +261,12 @@ def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
     # Whole sphere at a/R = 0.45 (Sneddon 1965): E of Hertz theory from load and area is 11 % too high.
     assert named(large, name).relative_difference == pytest.approx(0.1, abs=0.03)
     assert named(wide, name).verdict != HOLDS
-    assert "at least this" in named(wide, name).note
-    assert "both are of the largest in range, a/R = 0." in named(wide, name).note
+    assert "off by at least this, the error at a/R = 0." in named(wide, name).note
+    # The whole pad's modulus of a narrower contact is none of this one's, and nobody is told to take it.
+    assert math.isnan(named(wide, name).value)
+    assert math.isnan(named(wide, name).reference)
+    assert "no better value is known" in remedies(wide.checks)[name]
+    assert "take the value of the whole pad" in remedies(large.checks)[name]
 
 
 def test_thickness_spoils_the_indentation_before_the_modulus(tmp_path: Path) -> None:

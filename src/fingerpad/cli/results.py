@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from typer import Argument, Option
 
-from fingerpad._rounding import positive_with_uncertainty
+from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
@@ -70,15 +70,23 @@ def _place(item: "Value | Mean | ValidityVerdict") -> str:
     return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")
 
 
+def _words(quantity: str, value: float, std: float) -> str:
+    """Return a value with ±, or with a factor where only positive values make sense."""
+    from fingerpad.study.compare import QUANTITIES
+
+    known = QUANTITIES[quantity]
+    return (positive_with_uncertainty if known.positive else value_with_uncertainty)(value, std)
+
+
 def _value_line(value: "Value") -> tuple[str, str, str]:
-    text = positive_with_uncertainty(value.value, value.std)
+    text = _words(value.quantity, value.value, value.std)
     return _who(value), _place(value), f"{text} ({value.verdict})" if value.verdict else text
 
 
 def _mean_line(mean: "Mean") -> tuple[str, str, str]:
     low, high = mean.interval or (float("nan"), float("nan"))
     text = (
-        f"{positive_with_uncertainty(mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
+        f"{_words(mean.quantity, mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
         f"between people {mean.between_people_std:.2g}"
     )
     label = "  (synthetic)" if mean.synthetic else ""

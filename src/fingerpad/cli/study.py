@@ -3,7 +3,7 @@
 import webbrowser
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 from typer import Argument, Option
@@ -39,22 +39,26 @@ def init(
     scale: Annotated[
         str,
         Option(
-            help="With --from-files, the scale of contact images that state none, as '500 ppi' or "
-            "'0.05 mm/px'.",
+            help="With --from-files, the scale of contact images, as '500 ppi' or '0.05 mm/px', where no "
+            "spreadsheet states it.",
             show_default=False,
         ),
     ] = "",
+    wedge_deg: Annotated[
+        float | None,
+        Option(min=0, max=90, help="With --from-files, the wedge angle of files that state none: 0 is flat."),
+    ] = None,
 ) -> None:
     """Write a commented study manifest to start from, an example study, or the study of a folder's files."""
     from fingerpad.study.editing.template import write_example, write_template
 
-    for flag, value in (("--finger", finger), ("--scale", scale)):
-        if value and not from_files:
+    for flag, value in (("--finger", finger), ("--scale", scale), ("--wedge-deg", wedge_deg)):
+        if value not in ("", None) and not from_files:
             raise ManifestError(f"{flag} is that of files: give --from-files with it")
     if from_files and example:
         raise ManifestError("--example and --from-files write different studies: give one of them")
     if from_files:
-        _begin(folder, finger, scale)
+        _begin(folder, finger=finger, scale=scale, wedge_angle_deg=wedge_deg)
     elif example:
         typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
     else:
@@ -65,12 +69,12 @@ def init(
         )
 
 
-def _begin(folder: Path, finger: str, scale: str) -> None:
+def _begin(folder: Path, **of_files: Any) -> None:
     """Write the manifest of the files in a folder, and say what is taken, guessed and not known."""
     from fingerpad.study.from_files import start_study
     from fingerpad.study.manifest.load import STUDY_NAME
 
-    found, manifest = start_study(folder, finger=finger, scale=scale), folder / STUDY_NAME
+    found, manifest = start_study(folder, **of_files), folder / STUDY_NAME
     lacking = [": ".join(filter(None, (f"{one.kind} {one.key}".strip(), one.words))) for one in found.missing]
     for title, lines in {
         "Taken": [f"{file}: {words}" for file, words in found.taken.items()],
@@ -166,8 +170,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         typer.echo(line)
     if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
         typer.echo(
-            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} where by "
-            f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
+            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%} beyond chance, "
+            f"{FAILS} where by more than {FAILS_ABOVE:.0%} far beyond it; in brackets, its largest difference"
         )
     for line in doubtful_results(result):
         typer.echo(line)

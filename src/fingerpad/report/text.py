@@ -23,6 +23,7 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity.model_checks import (
+    AREA_FALLS,
     FAILS,
     HOLDS,
     INDENTATION,
@@ -45,6 +46,9 @@ HEADLINE_WORDS: Final[Mapping[str, str]] = {
 
 # What to do about a difference, by the name of its check.
 _ON_LAYER: Final = "take E and ξ on tissue over bone, for which the finger needs effective_thickness_mm"
+_PRESS_LESS: Final = (
+    "press less: the contact is beyond the laws of the whole pad, and no better value is known"
+)
 _SHAPE: Final = "check wedge and roll angles and semi-axes, from which the shape follows"
 _REMEDIES: Final[Mapping[str, str]] = {
     "radius_against_loading": _ON_LAYER,
@@ -53,7 +57,7 @@ _REMEDIES: Final[Mapping[str, str]] = {
     "shape": _SHAPE,
     "shape_on_layer": _SHAPE,
     "area_against_load": "give E and ξ with their load: they differ from load to load",
-    "area_falls": "check loads and outlines of these contacts: under more load an area does not get smaller",
+    AREA_FALLS: "check loads and outlines of these contacts: under more load an area does not get smaller",
     "youngs_modulus_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
     "indentation_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
     "youngs_modulus_on_layer": "take the value on the layer, which stands beside it",
@@ -114,8 +118,8 @@ def phase_words(phases: ManualPhases) -> str:
 
 def remedies(checks: Iterable[ValidityCheck]) -> dict[str, str]:
     """Return what to do about each check that does not hold, by its name; what is said twice at the first."""
-    off = [one.name for one in checks if one.verdict in {STRAINED, FAILS} and one.name in _REMEDIES]
-    first = {_REMEDIES[name]: name for name in reversed(off)}
+    off = [one for one in checks if one.verdict in {STRAINED, FAILS} and one.name in _REMEDIES]
+    first = {_PRESS_LESS if math.isnan(one.value) else _REMEDIES[one.name]: one.name for one in reversed(off)}
     return {name: words for words, name in first.items()}
 
 
@@ -222,6 +226,11 @@ def note_counts(summary: Summary) -> Counter[str]:
 
 def implausible_values(result: StudyResult) -> Iterator[str]:
     """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
+    for summary, validity in zip(result.summaries, result.validities, strict=True):
+        for check in validity.checks:
+            if check.name == AREA_FALLS and check.verdict in {STRAINED, FAILS}:
+                falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
+                yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
     for summary in result.summaries:
         counts, total = note_counts(summary), len(summary.places)
         frames = " and frames" if summary.column("frame").notna().any() else ""

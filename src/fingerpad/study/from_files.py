@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.editing.edit import change_study, create_study
@@ -25,6 +26,10 @@ from fingerpad.study.manifest.messages import counted
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.status import Missing, lacking, unused_files
 
+_USELESS: Final = (
+    "nothing that a study needs, as far as names of columns tell: a spreadsheet of files has file, finger, "
+    "wedge, load and scale, a table of a press time, force, displacement and area, each with its unit"
+)
 _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}
 
 
@@ -39,11 +44,14 @@ class StartedStudy:
     missing: tuple[Missing, ...]
 
 
-def start_study(folder: Path, *, finger: str = "", scale: str = "") -> StartedStudy:
+def start_study(
+    folder: Path, *, finger: str = "", scale: str = "", wedge_angle_deg: float | None = None
+) -> StartedStudy:
     """Start a study from the files that lie in a folder; what nothing states is left out.
 
-    What a spreadsheet states of files holds before their names; `finger` is that of files that state none,
-    `scale` that of contact images and sequences that state none, as ``500 ppi`` or ``0.05 mm/px``.
+    What a spreadsheet states of files holds before their names; `finger` and `wedge_angle_deg` are those of
+    files that state none, `scale` that of contact images and sequences for which no spreadsheet states one,
+    as ``500 ppi`` or ``0.05 mm/px``: it holds before what pictures say of themselves.
     """
     scale = scale and written_scale(scale, ())
     if not folder.is_dir():
@@ -65,9 +73,7 @@ def start_study(folder: Path, *, finger: str = "", scale: str = "") -> StartedSt
         own = new if new.finger or new.use not in TAKES else replace(new, finger=finger)
         if own.use == "photograph" and not own.scale and len(coins) == 1:
             own = replace(own, scale=COIN + coins[0])
-        if own.use in {"observation", "sequence"} and not own.scale:
-            own = replace(own, scale=scale)
-        found[file] = own, guess
+        found[file] = _stated_for_all(own, scale, wedge_angle_deg), guess
     proposal = proposed_edits(empty, [new for new, _ in found.values()])
     if proposal.waiting and not any(edit.kind == "finger" for edit in proposal.edits):
         raise ManifestError(
@@ -85,18 +91,28 @@ def start_study(folder: Path, *, finger: str = "", scale: str = "") -> StartedSt
         if file in proposal.waiting:
             left[file] = "nothing states its finger: give --finger NAME"
         elif file not in used and file not in read:
-            left[file] = _WORDS.get(new.use, "nothing that a study needs")
+            left[file] = _WORDS.get(new.use, _USELESS)
     return StartedStudy(
         loaded=loaded,
         taken={file: _WORDS[new.use] for file, (new, _) in found.items() if file in used} | read,
         guesses=(
             *_beginning(loaded.study),
+            *loaded.study.doubts(),
             *problems,
             *(words for file in found if file in used for words in _guesses(*found[file])),
         ),
         left=left,
         missing=tuple(lacking(loaded)),
     )
+
+
+def _stated_for_all(own: NewFile, scale: str, wedge_angle_deg: float | None) -> NewFile:
+    """Return a file with the scale and the wedge angle of all files, where nothing states others."""
+    if own.wedge_angle_deg is None:
+        own = replace(own, wedge_angle_deg=wedge_angle_deg)
+    if not scale or own.use not in {"observation", "sequence"} or (own.scale and "scale" not in own.guessed):
+        return own
+    return replace(own, scale=scale, guessed=tuple(key for key in own.guessed if key != "scale"))
 
 
 def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Guess]:

@@ -237,11 +237,11 @@ class SemiAxes(ManifestModel):
     """Semi-axes of a finger pad, mm."""
 
     palmar: Length
-    """Out of the pad, mm."""
+    """Out of the pad, mm: half of the fingertip's thickness."""
     distal: Length
-    """Out of the fingertip, mm."""
+    """Out of the fingertip, mm: from where the finger is widest to the tip."""
     radial_ulnar: Length
-    """Across the finger, mm."""
+    """Across the finger, mm: half of its width."""
 
 
 class SemiAxesStd(ManifestModel):
@@ -654,12 +654,12 @@ class Study(ManifestModel):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
         pressed = [one.name for one in self.observations if one.load_N > MOST_N]
         if pressed:
-            yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
+            yield f"{_first_of(pressed)}: more than {MOST_N:g} N: is load_N in millinewtons, not newtons?"
         placed = [
             one.name for one in (*self.observations, *self.sequences) if in_radians(one.wedge_angle_deg)
         ]
         if placed:
-            yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+            yield f"{_first_of(placed)}: less than 1.6°: is wedge_angle_deg in radians, not degrees?"
 
     @property
     def has_models(self) -> bool:

@@ -28,7 +28,14 @@ from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary,
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
-from fingerpad.study.results.validity.model_checks import FAILS, MODULUS, RADIUS, STRAINED, ValidityCheck
+from fingerpad.study.results.validity.model_checks import (
+    AREA_FALLS,
+    FAILS,
+    MODULUS,
+    RADIUS,
+    STRAINED,
+    ValidityCheck,
+)
 from fingerpad.study.results.validity.verdict import Validity
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
@@ -47,11 +54,12 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
         dictionary = ((each.name, each.dtype, each.unit, each.group, each.meaning) for each in columns)
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         summary = summary_of(result)
-        _write_records(out / "by_load.csv", [dict(one) for one in summary.by_load])
-        levels = [level for one in summary.repeatability.scatter for level in one.levels]
-        _write_records(out / "repeatability.csv", [dict(one) for one in levels])
-        if result.operator_pairs:
-            _write_records(out / "second_operator.csv", [one.as_record() for one in result.operator_pairs])
+        by_load = map(dict, summary.by_load)
+        _write_records(out / "by_load.csv", summary_file.AtLoadRecord.model_fields, by_load)
+        levels = (dict(level) for one in summary.repeatability.scatter for level in one.levels)
+        _write_records(out / "repeatability.csv", summary_file.ScatterLevelRecord.model_fields, levels)
+        if pairs := [one.as_record() for one in result.operator_pairs]:
+            _write_records(out / "second_operator.csv", pairs[0], pairs)
         (out / "summary.json").write_text(summary.text(), encoding="utf-8")
     except OSError as error:
         raise FingerpadError(
@@ -60,9 +68,9 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
         ) from error
 
 
-def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
-    """Write records with the same keys as a table, none as an empty file."""
-    write_csv(path, [tuple(records[0]), *(record.values() for record in records)] if records else [])
+def _write_records(path: Path, names: Iterable[str], records: Iterable[Mapping[str, Any]]) -> None:
+    """Write records with the same keys as a table."""
+    write_csv(path, [tuple(names), *(record.values() for record in records)])
 
 
 def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
@@ -460,7 +468,7 @@ class Answer:
                 area = f"{_quantity('contact area', self.area, self.area_std, 'mm²')} under {self.load:.3g} N"
             off = _largest(hertz.verdict, hertz.checks)
             theory = off and f"; Hertz theory {hertz.verdict} ({off})"
-            return f"{area}{theory}; no modulus and no radius without the finger's semi-axes or photographs"
+            return f"{area}{theory}; no modulus and no radius, as the finger's semi-axes are not known"
         if not of.radius_from_indentation_count:
             return f"no modulus and no corrected radius, as none of {seen} counts"
         layer = hertz.on_layer if self.on_bone else None
@@ -476,6 +484,8 @@ class Answer:
             value = _quantity("or", other.value, other.total_std, "kPa")
             theory = f" {value} by Hertz theory, which fails too{off}: report the range"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
+        if not math.isnan(self.modulus):
+            modulus += f" ({self.load:.3g} N)"
         corrected = of.radius_from_indentation_mm, of.radius_from_indentation_mm_total_std
         return f"{modulus}{bone}{theory}; {_quantity('corrected radius', *corrected, 'mm')}"
 
@@ -531,6 +541,8 @@ def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
         return ""
     # Of one comparison in several words the first.
     worst = max(concerned, key=lambda one: round(abs(math.log1p(one.relative_difference)), 9))
+    if worst.check == AREA_FALLS:
+        return f"area falls {worst.note}"
     difference = f"{100 * worst.relative_difference:+.0f} %".replace("-", "−")
     return f"{_COMPARED[worst.check.split('_')[0]]} {difference}"
 

@@ -135,7 +135,7 @@ def contact_repeatability(
         for contact, measured in batch:
             finger = fingers[contact.finger]
             excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
-            if finger.reason is None and is_pooled(measured, excluding):
+            if is_pooled(measured, excluding):
                 pooled[contact.synthetic or finger.synthetic].append((contact, measured))
         for synthetic, some in pooled.items():
             known[synthetic].add(study, fingers, some)

@@ -141,10 +141,7 @@ class _Batch:
         seen: Seen,
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> "_Batch":
-        reasons = [
-            measured.rejected or measured.reason or fingers[contact.finger].reason or _unloaded(measured)
-            for contact, measured in seen
-        ]
+        reasons = [measured.rejected or measured.reason or _unloaded(measured) for _, measured in seen]
         has_pad = [fingers[contact.finger].has_semi_axes for contact, _ in seen]
         sound = np.array([n for n, pad in enumerate(has_pad) if pad and reasons[n] is None], dtype=np.intp)
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}

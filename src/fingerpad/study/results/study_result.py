@@ -271,7 +271,9 @@ def result_of(
     rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
-    validities = validity_of(study, measured.fingers, rows, found, measured.curves)
+    validities = validity_of(
+        study, measured.fingers, rows, found, measured.curves, repeatability=repeatability
+    )
     table = with_verdicts(rows.table, found, validities)
     found = [replace(summary, table=table) for summary in found]
     return StudyResult(

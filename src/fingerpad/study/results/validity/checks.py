@@ -23,6 +23,7 @@ from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, PressSlope, area_noise, edges_of, items_of
 from fingerpad.study.results.table import Indices, Row
 from fingerpad.study.results.validity.model_checks import (
+    AREA_FALLS,
     HEADLINES,
     HERTZ_EXPONENT,
     HOLDS,
@@ -43,12 +44,11 @@ from fingerpad.uncertainty import pad_model, pool, pool_random_effects, propagat
 from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"
-_FALL: Final = "area_falls"
 _OVER_LOADS: Final = {
     name: ValidityCheck(name=name, compared=words, quantities=(MODULUS, INDENTATION))
     for name, words in (
         (GROWTH, "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory"),
-        (_FALL, "area over that at a lower load, where it falls most significantly"),
+        (AREA_FALLS, "area over that at a lower load, where it falls most significantly"),
     )
 }
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
@@ -84,10 +84,12 @@ def _areas_of(case: FingerAtAngle) -> _Areas:
     rows = case.loaded.sort_values("load_N", kind="stable")
     # An error of the load is one of the area that belongs to it.
     load_std = HERTZ_EXPONENT * case.study.uncertainty.load_relative_std
+    # Another press has another area; the frames of a sequence are one press.
+    press_std = np.where(rows["sequence"].isna(), case.press_std, 0.0)
     return _Areas(
         load=np.log(rows["load_N"].to_numpy()),
         area=np.log(np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()),
-        own=np.maximum(np.hypot(area_noise(rows), load_std), _LEAST_STD),
+        own=np.maximum(np.sqrt(area_noise(rows) ** 2 + load_std**2 + press_std**2), _LEAST_STD),
         edges=edges_of(rows),
         item=items_of(rows),
     )
@@ -141,12 +143,14 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     std = np.sqrt(seen.own[lower] ** 2 + seen.own[upper] ** 2 + shared)
     worst = int(np.argmin(grown / np.maximum(std, np.finfo(float).tiny))) if grown.size else -1
     if worst < 0 or grown[worst] >= 0:
-        return replace(_OVER_LOADS[_FALL], verdict=HOLDS, note="no area is smaller than one at a lower load")
+        return replace(
+            _OVER_LOADS[AREA_FALLS], verdict=HOLDS, note="no area is smaller than one at a lower load"
+        )
     deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
     change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
     ratio = math.exp(grown[worst])
     return replace(
-        _OVER_LOADS[_FALL],
+        _OVER_LOADS[AREA_FALLS],
         value=ratio,
         value_std=ratio * float(std[worst]),
         reference=1.0,
@@ -308,13 +312,16 @@ def _errors(
     last, share = known[-1], _SIZES[known[-1]]
     if flag:  # the contact's own size is out of the range of the laws
         ratio = row["contact_radius_ratio"] * math.sqrt(share)
-        size += (
-            f": {FLAGS['layer'][flag].words}; both are of the largest in range, a/R = {ratio:.2f}, under "
-            "this load, so at least this"
-        )
+        widest = f"a/R = {ratio:.2f}, the widest in range"
+        size += f": {FLAGS['layer'][flag].words}; off by at least this, the error at {widest}"
     exact = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"] / float(better.load[last])
-    yield checks[MODULUS].of_known_error(row[MODULUS] * share**-1.5, exact, size)
-    yield checks[INDENTATION].of_known_error(row[INDENTATION] * share, float(better.indentation[last]), size)
+    for name, value, reference in (
+        (MODULUS, row[MODULUS] * share**-1.5, exact),
+        (INDENTATION, row[INDENTATION] * share, float(better.indentation[last])),
+    ):
+        found = checks[name].of_known_error(value, reference, size)
+        # Values of a narrower contact under this load are none of this contact's.
+        yield replace(found, value=math.nan, reference=math.nan) if flag else found
 
 
 _CHECKS: Final = {
@@ -403,7 +410,7 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those of the loading curves, at the highest load of both."""
     load, top = case.summary.column("load_N"), min(fit.modulus_load for fit in case.fits)
     under = (load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)
-    inside = case.summary.where(case.summary.column("pooled") & under)
+    inside = case.summary.where(case.summary.column("pooled") & under & case.summary.column(MODULUS).notna())
     if inside.empty:
         yield from (
             _CHECKS[name].untested("no contact under a load of the curves") for name in (MODULUS, INDENTATION)

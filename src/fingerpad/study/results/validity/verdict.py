@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
+from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import HeadlineRecord
 from fingerpad.study.results.table import COLUMNS
@@ -69,13 +71,17 @@ def validity_of(
     rows: Rows,
     summaries: Sequence[Summary],
     curves: Sequence[CurveResult],
+    *,
+    repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
 ) -> list[Validity]:
     """Check Hertz theory for each finger at each angle.
 
     The model's discrepancy is estimated from all fingers and angles at which there are two ways to a result,
     real and synthetic ones apart.
     """
-    cases = [FingerAtAngle.of(study, fingers, rows, one, curves) for one in summaries]
+    cases = [
+        FingerAtAngle.of(study, fingers, rows, one, curves, repeatability=repeatability) for one in summaries
+    ]
     checks = [_checks(case) for case in cases]
     routes = {
         synthetic: {
