@@ -94,7 +94,7 @@ def test_report_and_results_of_areas_alone(tmp_path: Path) -> None:
     assert "Of g, whose semi-axes are not known" in page
     assert not re.search(r"\bnan\b", page)
     texts = {answer.label: answer.text for answer in answers_of(result)}
-    assert texts["g, 45°"].startswith("contact areas of 3 frames")
+    assert texts["g, 45°"].startswith("contact area 116.")
     assert "corrected radius" in texts["f, 30°"]
     stored = load_results(out)
     row = stored.table.set_index("observation").loc["seen"]

@@ -27,7 +27,7 @@ from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
     FAILS,
@@ -222,6 +222,7 @@ def _placement(
         on_layer=summary.layer and _on_layer(summary.layer),
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
+        **_at_highest_load(summary),
         **_exponent(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,
@@ -229,6 +230,26 @@ def _placement(
         radius_from_indentation_mm_verdict=radius.verdict,
         validity=_validity(validity),
     )
+
+
+def _at_highest_load(summary: Summary) -> dict[str, Any]:
+    columns = summary.table[
+        [
+            "load_N",
+            "semi_major_mm",
+            "semi_major_mm_std",
+            "semi_minor_mm",
+            "semi_minor_mm_std",
+            "gross_area_mm2",
+            "gross_area_mm2_std",
+        ]
+    ]
+    counts = summary.places[(summary.column("pooled") & (summary.column("load_N") > 0)).to_numpy()]
+    # By load: the last is that at the highest.
+    row = first_record(with_areas(columns.iloc[counts[-1:]])) or {}
+    names = {"highest_load_N": "load_N", "highest_area_mm2": "gross_area_mm2"}
+    names["highest_area_mm2_std"] = "gross_area_mm2_std"
+    return {name: row.get(column) for name, column in names.items()}
 
 
 def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
@@ -440,7 +461,7 @@ class Answer:
 
     of: summary_file.PlacementRecord  # the placement, its corrected radius, R_g and checks
     load: float  # its highest load, N; NaN where no contact counts
-    area: float  # contact area there, mm²; NaN where single contacts have none
+    area: float  # contact area there, mm²
     area_std: float
     modulus: float  # Young's modulus there, kPa
     modulus_std: float  # with the model's part
@@ -508,9 +529,9 @@ def _answer(of: summary_file.PlacementRecord, highest: summary_file.AtLoadRecord
         modulus = of.validity.headlines[MODULUS]
         return Answer(
             of=of,
-            load=of.validity.load_N,
-            area=math.nan,
-            area_std=math.nan,
+            load=of.highest_load_N,
+            area=of.highest_area_mm2,
+            area_std=of.highest_area_mm2_std,
             modulus=modulus.value,
             modulus_std=modulus.total_std,
             on_bone=False,
