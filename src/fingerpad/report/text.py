@@ -171,6 +171,8 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
         for summary, validity in zip(result.summaries, result.validities, strict=True)
         if summary.corrected_radius and summary.synthetic == synthetic
     ]
+    if shapeless := [name for name, finger in result.fingers.items() if not finger.has_semi_axes]:
+        yield f"give semi-axes or photographs of {_joined(shapeless)}: radius and modulus follow"
     if not placed:
         return
     bare = {

@@ -27,7 +27,9 @@ from fingerpad.study.results.validity.checks import (
 )
 from fingerpad.study.results.validity.model_checks import (
     HEADLINES,
+    HOLDS,
     MODULUS,
+    NOT_TESTED,
     RADIUS,
     ROUTES,
     FingerAtAngle,
@@ -61,8 +63,9 @@ class Validity:
 
     @property
     def verdict(self) -> str:
-        """The worst of all checks."""
-        return overall_verdict(check.verdict for check in self.checks)
+        """The worst of all checks; an exponent alone, of a finger without semi-axes, tests no theory."""
+        worst = overall_verdict(check.verdict for check in self.checks)
+        return NOT_TESTED if worst == HOLDS and not self.observation else worst
 
 
 def validity_of(
