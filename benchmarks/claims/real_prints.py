@@ -9,12 +9,15 @@ import sys
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from benchmarks import ROOT
-from benchmarks.tables import table
+from benchmarks.tables import percent, table
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, measure_contact_image, read_image
 
 PRINTS: Final = {"nist_nbis_livescan_slaps": 500, "nist_minex_ink": 500, "nist_nbis_rolled_1000ppi": 1000}
+GAMMAS: Final = (0.6, 1.8)
 SEEN: Final = {
     "left_index_500ppi": "right; ends above the crease",
     "slap_left_four_500ppi": "right, of the ring finger",
@@ -35,15 +38,27 @@ def report() -> None:
     folder = Path(os.environ.get("FINGERPAD_PRINTS", ROOT.parent / "shared" / "data"))
     if not any((folder / name).is_dir() for name in PRINTS):
         sys.exit(f"{folder} has no folder {', '.join(PRINTS)}: FINGERPAD_PRINTS names where they lie")
-    rows = []
+    rows, curved = [], []
     for name, ppi in PRINTS.items():
         for path in sorted((folder / name).glob("*.p[ng][mg]")):
             seen, print_ = SEEN.get(path.stem, "right"), path.stem.replace("_", " ")
+            picture, scale = read_image(path), Scale.of_ppi(ppi)
             try:
-                found = measure_contact_image(read_image(path), Scale.of_ppi(ppi))
+                found = measure_contact_image(picture, scale)
             except ImageError:
                 rows.append((print_, "–", "–", "refused", seen))
                 continue
             flags = ", ".join(f"`{flag}`" for flag in found.flags) or "–"
             rows.append((print_, f"{found.gross_area:.1f}", f"{found.gross_area_std:.1f}", flags, seen))
+            moved = []
+            plain, grey = measure_contact_image(picture.pixels, scale), picture.pixels.astype(float) / 255
+            for gamma in GAMMAS:
+                bent = measure_contact_image(np.rint(255 * grey**gamma).astype(np.uint8), scale)
+                moved += [
+                    percent(getattr(bent, area) / getattr(plain, area) - 1, "+")
+                    for area in ("gross_area", "ridge_area")
+                ]
+            curved.append((print_, *moved, percent(plain.ridge_area_std / plain.ridge_area)))
     table(("print", "gross area, mm²", "±", "flags", "by eye"), rows)
+    of_gamma = (f"{area} area, gamma {gamma:g}" for gamma in GAMMAS for area in ("gross", "ridge"))
+    table(("print", *of_gamma, "± of the ridge area"), curved, "Change of areas by a tone curve")
