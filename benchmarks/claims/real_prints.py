@@ -1,7 +1,7 @@
 """Real prints whose forces are unknown: areas, flags, and what a person sees of the outline drawn over each.
 
 They are no part of the repository; ``FINGERPAD_PRINTS`` names their folder. What the eye sees was written
-down on 2026-11-25 in front of the overlays; they have to be looked at again when areas move.
+down on 2026-11-27 in front of the overlays; they have to be looked at again when areas move.
 """
 
 import os
