@@ -52,7 +52,9 @@ class Truth:
     elongation: float | None = (
         None  # ln of the length along the finger over that across, if not Hertz theory's
     )
+    loads: tuple[float, ...] = LOADS
     repeats: int = 1  # contacts at each load
+    press_std: float = 0.0  # relative, of the areas of presses under one load
     with_curve: bool = False  # whether the finger has a loading curve, or R_g alone
     stated_thickness: float | None = None  # what the manifest says of the effective thickness, mm
 
@@ -68,6 +70,8 @@ class Pressed(NamedTuple):
 CASES: Final = {
     "Hertz theory": Truth(),
     "Hertz theory, with curve": Truth(with_curve=True),
+    "Hertz theory, presses differ by 4.6 %": Truth(press_std=0.046),
+    "Hertz theory, two presses that differ so": Truth(press_std=0.046, loads=(0.5, 1.0)),
     "7 mm of tissue over bone": Truth(thickness=7.0, modulus=0.1),
     "7 mm over bone, with curve": Truth(thickness=7.0, modulus=0.1, with_curve=True),
     "4 mm of tissue over bone": Truth(thickness=4.0, modulus=0.1),
@@ -142,7 +146,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     summaries = pool_contacts(rows)
     curve = _curve(truth, radii, (wedge, pad.semi_axes), rng, folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
-    highest = press(truth, radii, LOADS[-1])
+    highest = press(truth, radii, truth.loads[-1])
     radius = highest.area / (np.pi * highest.indentation)  # the sphere of the true area and indentation
     true = {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
     return SimulatedStudy(validity, true)
@@ -152,9 +156,11 @@ def _contacts(
     truth: Truth, radii: tuple[float, float], wedge: float, rng: np.random.Generator
 ) -> Iterator[tuple[Observation, Measurement]]:
     scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
-    for number, load in enumerate(np.repeat(LOADS, truth.repeats).tolist()):
+    for number, load in enumerate(np.repeat(truth.loads, truth.repeats).tolist()):
         pressed = press(truth, radii, load)
         c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
+        if truth.press_std:
+            c *= np.exp(rng.normal(0, truth.press_std) / 2)
         sides = scale * (np.array([c * half, c / half]) + edge) + rng.normal(0, NOISE_STD, 2)
         yield contact(
             f"c{number}",
