@@ -19,6 +19,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import ridges
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, PrintedMarks
+from fingerpad.image.contact_image.edge import trace_edge
 from fingerpad.image.contact_image.region import find_region
 from fingerpad.image.contact_image.view import view_of
 
@@ -30,7 +31,7 @@ _STROKE: Final = 0.16  # of the height
 
 
 class Seen(NamedTuple):
-    """What `ridges.has_print` is given, and whether there are letters."""
+    """What `ridges._has_print` is given, and whether there are letters."""
 
     given: tuple[Any, ...]
     letters: bool
@@ -60,16 +61,19 @@ def sample(count: int, seed: int) -> list[Seen]:
             continue
         try:
             rough = ridges.find_ridges(view, None)
-            found.append(Seen((view, rough, find_region(view, rough, None).patch), letters))
+            edge = trace_edge(view, rough, find_region(view, rough, None))
         except ImageError:
             continue
+        with patch.object(ridges, "_has_print", lambda *given: given):
+            given: Any = ridges.ridge_map(view, edge.points, None).has_print
+        found.append(Seen(given, letters))
     return found
 
 
 def errors(model: PrintedMarks, seen: list[Seen]) -> tuple[float, float]:
     """Return the share of images whose letters are missed, and of those where ridges pass for letters."""
     with patch.object(ridges, "PRINTED_MARKS", model):
-        wrong = [[ridges.has_print(*one.given) != one.letters, one.letters] for one in seen]
+        wrong = [[ridges._has_print(*one.given) != one.letters, one.letters] for one in seen]
     off, letters = np.array(wrong).T
     return float(off[letters].mean()), float(off[~letters].mean())
 

@@ -213,8 +213,7 @@ def evenly_spaced(
 ) -> FloatArray:
     """Return points along an outline, about `spacing` apart."""
     path = np.concatenate([points, points[:1]]) if closed else points
-    steps = path[1:] - path[:-1]
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     count = max(min_count, round(along[-1] / spacing))
     places = np.linspace(0, along[-1], count, endpoint=not closed)
     return np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
@@ -222,45 +221,35 @@ def evenly_spaced(
 
 def signed_area(points: FloatArray) -> float:
     """Return the area of a closed polygon (x, y), positive if it turns from x towards y."""
-    following = shifted(points, 1)
-    return float(points[:, 0] @ following[:, 1] - following[:, 0] @ points[:, 1]) / 2
-
-
-def shifted(points: FloatArray, step: int) -> FloatArray:
-    """Return for each point of a closed outline the one so many steps further on."""
-    return np.concatenate([points[step:], points[:step]])
+    following = np.roll(points, -1, axis=0)
+    return float((points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]).sum()) / 2
 
 
 def outward_normals(points: FloatArray, step: int = 1, *, closed: bool = True) -> FloatArray:
     """Return the outward unit normals of an outline, across the chord of so many steps to either side."""
-    around = shifted(points, step) - shifted(points, -step)
-    tangent = around if closed else np.gradient(points, step, axis=0)
-    outward = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
-    length = np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-9)
-    return np.asarray(outward * (math.copysign(1.0, signed_area(points)) / length)[:, None])
+    if closed:
+        tangent = np.roll(points, -step, axis=0) - np.roll(points, step, axis=0)
+    else:
+        tangent = np.gradient(points, step, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
 
 
 def polygon_moments(points: FloatArray) -> AreaMoments:
     """Return the moments of a closed polygon (x, y), in either direction (Green's theorem)."""
     origin = points.mean(axis=0)
     p = points - origin
-    q = shifted(p, 1)
+    q = np.roll(p, -1, axis=0)
     cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
     area = cross.sum() / 2
     centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
     squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
     products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
     mixed = (products * cross).sum() / 24
-    direction = math.copysign(1.0, area)
-    xx, yy = (direction * (squares - area * centroid**2)).tolist()
-    xy = direction * float(mixed - area * centroid.prod())
-    mean, half = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
-    return AreaMoments(
-        area=abs(float(area)),
-        centroid=centroid + origin,
-        axes=rotation(math.atan2(2 * xy, xx - yy) / 2).T,
-        spread=np.array([mean + half, mean - half]),
-    )
+    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
+    spread, axes = np.linalg.eigh(second)
+    size = abs(float(area))
+    return AreaMoments(area=size, centroid=centroid + origin, axes=axes.T[::-1], spread=spread[::-1] * size)
 
 
 def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:

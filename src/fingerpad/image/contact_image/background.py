@@ -35,9 +35,7 @@ _BLOCK: Final = 1.35
 # Fewer quiet blocks than this show a level of the ground, but no slope; more than that are not needed.
 _MIN_QUIET: Final = 40
 _MAX_QUIET: Final = 300
-_SURFACE_ROUNDS: Final = 2
-# Keeps the surface through few blocks defined.
-_TINY: Final = 1e-9 * np.eye(6)
+_SURFACE_ROUNDS: Final = 3
 
 
 def without_added_border(
@@ -49,9 +47,9 @@ def without_added_border(
     """
     step = max(1, round(max(pixels.shape) / _BORDER_PX))
     small = pixels[::step, ::step].astype(np.float32)
-    corners = np.sort(small[[0, 0, -1, -1], [0, -1, 0, -1]])
+    corners = small[[0, 0, -1, -1], [0, -1, 0, -1]]
     low, high, _, _ = cv2.minMaxLoc(small)
-    level, width = float(corners[1:3].mean()), _RIPPLE * (high - low)
+    level, width = float(np.median(corners)), _RIPPLE * (high - low)
     if np.count_nonzero(np.abs(corners - level) <= width) >= 3:
         near = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
@@ -186,7 +184,7 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
         off = level - surface @ terms
         width = max(2 * quantile(np.abs(off[at_rim]), 0.5), 1e-6)
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
-        surface = np.linalg.solve(weighted @ terms.T + _TINY, weighted @ level)
+        surface = np.linalg.solve(weighted @ terms.T + 1e-9 * np.eye(6), weighted @ level)
     return as_float32(quadratic_surface(surface, means.shape))
 
 

@@ -1,44 +1,65 @@
 """Local spectra of a picture: the ridge period, and whether its lines are the ridges of a finger.
 
-Both look at windows of 32 px under a taper, and at the strongest wave of each. The period is asked of the
-picture or of a copy reduced by halves, without a scale; whether there are ridges in windows that go with
-their neighbours.
+Both look at square windows under a taper, and at the strongest peak of each. The period is asked of the
+picture and of smaller copies of it, in windows of 64 px, without a scale; whether there are ridges in windows
+of 2.9 mm that go with their neighbours.
 """
 
 import math
-from typing import Final, NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from fingerpad._arrays import BoolArray, Float32Array, as_float32
-from fingerpad.image.contact_image.background import quantile
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import filled_polygon
 from fingerpad.image.scale import WINDOW_RIDGE_PERIOD_MM
 
-# Windows, and how far apart they are, px.
-_SIDE: Final = 32
-_STEP: Final = 16
+Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
-# The period: how many windows are asked, and the periods that they show well, px.
-_MANY: Final = 96
-_SHORTEST: Final = 2.5
-_LONGEST: Final = 8.0
-_MIDDLE: Final = 4.5
-# Fewer clear windows than this, or of many windows than twice as many, tell nothing: noise makes some.
-_FEWEST_CLEAR: Final = 3
+# The period: windows, how far apart, and how many are asked first and last.
+_WINDOW: Final = 64
+_HOP: Final = 32
+_FEW: Final = 12
+_MANY: Final = 48
+# Windows are judged by every fourth pixel.
+_STRIDE: Final = 4
+# Periods that a window shows well at one level of the pyramid, px.
+_SHORTEST: Final = 4.0
+_LONGEST: Final = 12.0
+_MIDDLE: Final = 7.0
+# Bins about the mean that hold light and edges; how far a peak spreads.
+_LIGHT_BINS: Final = 1.5
+_PEAK_BINS: Final = 2.5
+# A white-noise window puts about this share of its power into one spectral peak.
+_MIN_CONCENTRATION: Final = 0.14
 # Share of the variance of the most varied windows from which one is textured.
 _TEXTURED: Final = 0.25
-# Other copies must speak more clearly by this factor; where the expected one is this clear, none is asked.
-_CLEARER: Final = 3.0
-_CLEAR: Final = 0.25
+# A copy speaks more clearly than a finer one by this factor.
+_CLEARER: Final = 1.1
 
-# A copy of this pitch is looked at; a coarser picture than the last cannot show ridges.
+# Of the spectrum, only what is no finer than the shortest period.
+_COLUMNS = round(_WINDOW / _SHORTEST) + 1
+_ROWS = np.r_[0:_COLUMNS, _WINDOW - _COLUMNS + 1 : _WINDOW]
+_PLACE = np.add.outer(1j * np.fft.fftfreq(_WINDOW)[_ROWS], np.fft.rfftfreq(_WINDOW)[:_COLUMNS])
+_PLACE = _PLACE.ravel().astype(np.complex64)
+_FREQUENCY = np.abs(_PLACE)
+_BAND = ((_FREQUENCY >= 1 / _LONGEST) & (_FREQUENCY <= 1 / _SHORTEST)).astype(np.float32)
+_LOW = (_FREQUENCY <= _LIGHT_BINS / _WINDOW).astype(np.float32)
+_MOMENTS = np.stack([np.ones_like(_FREQUENCY), _FREQUENCY], axis=-1)
+_WINDOW_TAPER = np.outer(np.hanning(_WINDOW), np.hanning(_WINDOW)).astype(np.float32)
+# Which places of the band belong to a peak at each place.
+_PEAKS = (np.abs(_PLACE - _PLACE[:, None]) < _PEAK_BINS / _WINDOW) * _BAND
+
+# A copy of this pitch is looked at, in square windows; a coarser picture than the last cannot show ridges.
 _PITCH_MM: Final = 0.09
 _COARSEST_MM: Final = 0.12
+_SIDE: Final = 32
+_STEP: Final = 16
 # Fewer windows than this that far apart are taken at half the distance.
-_ENOUGH: Final = 60
+_ENOUGH: Final = 40
 # Bins: below the least lie edges and shading, and a peak spreads so far.
 _LOWEST: Final = 1.5
 _SPREAD: Final = 2.1
@@ -58,96 +79,118 @@ _BUSY_SHARE: Final = 0.08
 _BUSY_LEVELS: Final = 0.7
 _FEWEST: Final = 6
 
-Pixels: TypeAlias = npt.NDArray[np.uint8] | Float32Array
-# Strongest waves of windows, as complex numbers.
-Waves: TypeAlias = npt.NDArray[np.complex64]
-
 # Half of the spectrum, by the bins from the mean; its first and last column stand for themselves.
 _BINS = np.add.outer(1j * fft.fftfreq(_SIDE), fft.rfftfreq(_SIDE)).ravel() * _SIDE
 _BINS = _BINS.astype(np.complex64)
-_WEIGHTS = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0) * (np.abs(_BINS) >= _LOWEST))
+_TWICE = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0))
 _TAPER = as_float32(np.outer(*[np.hanning(_SIDE + 2)[1:-1]] * 2))
 # The few bins that belong to a peak at each bin, or to its mirror image, and their wave vectors turned the
 # peak's way; bins that only fill the table count nothing.
 _NEAR = np.abs(_BINS - _BINS[:, None]) < _SPREAD
 _IN_PEAK = _NEAR | (np.abs(_BINS + _BINS[:, None]) < _SPREAD)
 _MEMBERS = np.argsort(~_IN_PEAK, axis=1, kind="stable")[:, : _IN_PEAK.sum(axis=1).max()]
-_COUNTS = as_float32(np.take_along_axis(_IN_PEAK, _MEMBERS, axis=1) * _WEIGHTS[_MEMBERS])
+_COUNTS = np.take_along_axis(_IN_PEAK, _MEMBERS, axis=1)
 _TURNED = np.where(np.take_along_axis(_NEAR, _MEMBERS, axis=1), _BINS[_MEMBERS], -_BINS[_MEMBERS])
-_LENGTHS = np.abs(_TURNED)
 
 
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
     """Return the median ridge period, px, NaN where no ridges are found.
 
-    Windows of the copy that shows the `expected` period best vote for the strongest wave of each with its
-    share of the power; where few are clear, those of copies half and twice as large do, too, or else of all.
+    Windows of 64 px, on copies that show the `expected` period, half or twice that, or else on all, vote
+    for the strongest ring of their spectrum with the share of power there.
     """
-    copies: list[tuple[Pixels, BoolArray | None]] = [(pixels, inside)]
-    while min(copies[-1][0].shape) >= 2 * _SIDE:
+    copies = [(pixels, inside)]
+    while min(copies[-1][0].shape) >= _WINDOW:
         fine, where = copies[-1]
         rows, columns = (n // 2 * 2 for n in fine.shape)
         small = cv2.resize(fine[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        half: Pixels = small  # type: ignore[assignment]  # of the same depth
-        copies.append((half, None if where is None else where[:rows:2, :columns:2]))
-    middle = min(math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5), len(copies) - 1)
-    levels = sorted(range(len(copies)), key=lambda level: abs(level - middle))
-    found, clearest = math.nan, 0.0
-    for level in levels:
-        if clearest > 0 and abs(level - middle) > 1:
-            break
-        period, vote = _median_period(*copies[level])
-        if vote > clearest:
-            # The expected copy counts more.
-            found, clearest = 2.0**level * period, vote * (_CLEARER if level == middle else 1)
-        if level == middle and vote > _CLEAR:
-            break
-    return found
+        copies.append((_as_pixels(small), None if where is None else where[:rows:2, :columns:2]))
+    middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
+    likely = range(max(0, middle - 1), min(len(copies), middle + 2))
+    for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
+        best, best_vote, rest, found = 0, 0.0, np.empty(0), (np.empty(0), np.empty(0))
+        for level in levels:
+            windows = _textured_windows(*copies[level])
+            few = _pick_evenly(np.arange(len(windows)), count)
+            periods, shares = _window_periods(windows[few])
+            vote = _median_period(periods, shares)[1]
+            if vote > _CLEARER * best_vote:
+                best, best_vote, rest, found = level, vote, np.delete(windows, few, axis=0), (periods, shares)
+        if best_vote:
+            more = _window_periods(rest)
+            return 2.0**best * _median_period(*map(np.append, found, more))[0]
+    return math.nan
 
 
-def _median_period(pixels: Pixels, inside: BoolArray | None) -> tuple[float, float]:
-    """Return the weighted median period of textured windows, px, and how clearly they speak for it."""
-    copy = _at_least_a_window(as_float32(pixels))
-    share, waves = _waves(copy, _textured_windows(copy, inside), (_SIDE / _LONGEST, _SIDE / _SHORTEST))
-    clear = share > _MIN_SHARE
-    if np.count_nonzero(clear) < max(_FEWEST_CLEAR, share.size / _MANY * 2 * _FEWEST_CLEAR):
-        return math.nan, 0.0
-    periods, shares = _SIDE / np.abs(waves[clear]), share[clear]
-    order = np.argsort(periods)
-    total = np.cumsum(shares[order])
-    return float(periods[order][np.searchsorted(total, total[-1] / 2)]), float(total[-1]) / share.size
+def _as_pixels(values: npt.NDArray[Any]) -> Pixels:
+    return values if values.dtype == np.uint8 else np.asarray(values, dtype=np.float32)
 
 
-def _at_least_a_window(copy: Float32Array) -> Float32Array:
-    short = [max(0, _SIDE - n) for n in copy.shape]
-    if any(short):
-        copy = as_float32(cv2.copyMakeBorder(copy, 0, short[0], 0, short[1], cv2.BORDER_REFLECT))
-    return copy
+def _pick_evenly(items: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
+    """Return not more than `count` of the items, evenly picked."""
+    return np.asarray(items[np.linspace(0, len(items) - 1, min(count, len(items))).astype(int)])
 
 
-def _textured_windows(copy: Float32Array, inside: BoolArray | None) -> npt.NDArray[np.intp]:
-    """Return the first (row, column) of windows of much variance, evenly picked, (n, 2)."""
-    mean = _window_means(copy)
-    variance = _window_means(as_float32(copy * copy)) - mean * mean
+def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any]:
+    """Return windows of much variance, spread over the picture, (n, 64, 64)."""
+    pad = [(0, max(0, _WINDOW - n)) for n in pixels.shape]
+    if np.any(pad):
+        pixels = _as_pixels(np.pad(pixels, pad, mode="reflect"))
+        inside = None if inside is None else np.pad(inside, pad, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(pixels, (_WINDOW, _WINDOW))[::_HOP, ::_HOP]
+    some = tuple(slice(0, n // _HOP * _HOP, _STRIDE) for n in pixels.shape)
+    sparse = pixels[some].astype(np.float32)
+    mean = _window_means(sparse)
+    variance = _window_means(sparse * sparse) - mean * mean
     if inside is not None:
-        variance[_window_means(_at_least_a_window(as_float32(inside))) < 0.9] = 0
-    textured = np.argwhere(variance > _TEXTURED * quantile(variance.ravel(), 0.95))
-    if not len(textured):
-        return np.zeros((1, 2), dtype=np.intp)
-    few = np.linspace(0, len(textured) - 1, min(_MANY, len(textured))).astype(int)
-    return np.asarray(textured[few] * _STEP)
+        variance[_window_means(inside[some].astype(np.float32)) < 0.9] = 0
+    high = np.sort(variance, axis=None)[int(0.95 * (variance.size - 1))]
+    textured = np.argwhere(variance > _TEXTURED * high)
+    rows, columns = _pick_evenly(textured if len(textured) else np.zeros((1, 2), dtype=np.intp), _MANY).T
+    return np.asarray(windows[rows, columns])
 
 
-def _window_means(values: Float32Array) -> Float32Array:
-    """Return the mean of each window, half a window apart."""
-    rows, columns = (n // _STEP for n in values.shape)
-    part = values[: rows * _STEP, : columns * _STEP]
-    quarters = cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA)
-    return as_float32(cv2.blur(quarters, (2, 2), anchor=(0, 0)))[:-1, :-1]
+def _window_means(sparse: Float32Array) -> Float32Array:
+    """Return the mean of each window, half a window apart, of a picture given by every fourth pixel."""
+    side = _HOP // _STRIDE
+    rows, columns = (n // side for n in sparse.shape)
+    quarters = cv2.resize(sparse, (columns, rows), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.blur(quarters, (2, 2), anchor=(0, 0))[:-1, :-1], dtype=np.float32)
 
 
-def shows_ridges(copy: Float32Array, patch: BoolArray, mm_per_px: float, step: float) -> bool:
-    """Return whether ridges as far apart as a finger's fill at least a quarter of a patch.
+def _median_period(periods: FloatArray, shares: FloatArray) -> tuple[float, float]:
+    """Return the weighted median period of some windows, px, and how clearly they speak for it."""
+    clear = shares > _MIN_CONCENTRATION
+    if np.count_nonzero(clear) < 3:
+        return math.nan, 0.0
+    order = np.argsort(periods[clear])
+    total = np.cumsum(shares[clear][order])
+    median = float(periods[clear][order][np.searchsorted(total, total[-1] / 2)])
+    return median, float(shares[clear].sum()) / shares.size
+
+
+def _window_periods(windows: npt.NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+    """Return the ridge period of each window, and the share of its power in that peak.
+
+    The edge of a smooth contact has its peak below the band: it has no share.
+    """
+    tapered = windows.astype(np.float32)
+    tapered -= tapered.mean(axis=(1, 2), keepdims=True)
+    tapered *= _WINDOW_TAPER
+    spectrum = fft.fft(fft.rfft(tapered, axis=2)[:, :, :_COLUMNS], axis=1)[:, _ROWS]
+    power = (spectrum.real**2 + spectrum.imag**2).reshape(-1, _FREQUENCY.size)
+    # Parseval's theorem gives the power of the half of the spectrum; its first column stands for itself.
+    square = np.einsum("ijk,ijk->i", tapered, tapered)
+    total = (_WINDOW**2 * square + power[:, ::_COLUMNS].sum(axis=1)) / 2 - power @ _LOW + 1e-12
+    power *= 1 - _LOW
+    peak = power.argmax(axis=1)
+    power *= _PEAKS[peak]
+    weight, moment = (power @ _MOMENTS).T + 1e-12
+    return weight / moment, _BAND[peak] * weight / total
+
+
+def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step: float) -> bool:
+    """Return whether ridges as far apart as a finger's fill at least a quarter of an outline, (x, y).
 
     There a window's strongest wave holds a quarter of the power and turns into those of half of the windows
     next to it; evenly spaced straight lines are none. `step` is the picture's pixels in one of the copy. A
@@ -156,17 +199,20 @@ def shows_ridges(copy: Float32Array, patch: BoolArray, mm_per_px: float, step: f
     if mm_per_px > _COARSEST_MM:
         return True
     pitch = mm_per_px * step
-    # The windows' centres, and how far apart they are, px.
-    left, top, columns, rows = cv2.boundingRect(patch.view(np.uint8))
-    apart = min(max(round(math.sqrt(columns * rows / _ENOUGH)), _STEP // 2), _STEP * 5 // 4)
-    x, y = (np.arange(a + (n - 1) % apart // 2, a + n, apart) for a, n in ((left, columns), (top, rows)))
-    inside = patch[y[:, None], x]
+    # The windows' centres, (rows, columns, 2), and how far apart they are, px.
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    apart = _STEP if np.prod(high - low) > _ENOUGH * _STEP**2 else _STEP // 2
+    x, y = (np.arange(a + (b - a) % apart / 2, b + 1e-6, apart) for a, b in zip(low, high, strict=True))
+    centres = np.stack(np.meshgrid(x, y), axis=-1)
+    columns, rows = np.ceil(np.maximum(high, centres.max(axis=(0, 1)))).astype(int) + 2
+    place = np.rint(centres).astype(int).clip(0)
+    inside = filled_polygon(outline, (int(rows), int(columns)))[place[..., 1], place[..., 0]] > 0
     if np.count_nonzero(inside) * (apart * pitch) ** 2 < _TELLING_MM2:
         return True
-    row, column = np.nonzero(inside)
-    corners = np.stack([y[row], x[column]], axis=-1) - _SIDE // 2
-    share, waves = _waves(_at_least_a_window(copy), corners, _ridges_per_window(pitch))
-    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, max(1, _STEP // apart))
+    short = [max(0, _SIDE - n) for n in copy.shape]
+    copy = as_float32(cv2.copyMakeBorder(copy, 0, short[0], 0, short[1], cv2.BORDER_REFLECT))
+    share, waves = _waves(copy, centres[inside], pitch)
+    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // apart)
     if ridged.mean() < _MIN_RIDGED:
         return False
     parallel, spread = _alike(waves[ridged])
@@ -192,53 +238,43 @@ def line_texture(picture: Float32Array) -> LineTexture:
 
 def _lines_of_copy(copy: Float32Array) -> LineTexture:
     step = _STEP if copy.size > _ENOUGH * 4 * _STEP**2 else _STEP // 2
-    y, x = (np.arange(_SIDE // 2, n - _SIDE // 2 + 1, step) for n in copy.shape)
+    y, x = (np.arange(_SIDE / 2, n - _SIDE / 2 + 1, step) for n in copy.shape)
+    centres = np.stack(np.meshgrid(x, y), axis=-1)
     mean = cv2.blur(copy, (_SIDE, _SIDE))
     deviation = np.sqrt(np.maximum(cv2.blur(copy * copy, (_SIDE, _SIDE)) - mean * mean, 0))
     low, high = np.percentile(copy, [1, 99])
-    busy = deviation[y[:, None], x] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
-    row, column = np.nonzero(busy)
-    if row.size < _FEWEST:
+    busy = deviation[np.ix_(y.astype(int), x.astype(int))] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
+    if np.count_nonzero(busy) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
-    corners = np.stack([y[row], x[column]], axis=-1) - _SIDE // 2
-    share, waves = _waves(copy, corners, _ridges_per_window(_PITCH_MM))
+    share, waves = _waves(copy, centres[busy], _PITCH_MM)
     lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
     if np.count_nonzero(lined) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
     return LineTexture(float(np.count_nonzero(lined) / busy.size), *_alike(waves[lined]))
 
 
-def _ridges_per_window(pitch: float) -> tuple[float, float]:
-    """Return the fewest and the most periods that a finger's ridges have in a window of this pitch, mm."""
-    longest, shortest = WINDOW_RIDGE_PERIOD_MM[::-1]
-    return _SIDE * pitch / longest, _SIDE * pitch / shortest
-
-
-def _waves(
-    copy: Float32Array, corners: npt.NDArray[np.intp], band: tuple[float, float]
-) -> tuple[Float32Array, Waves]:
-    """Return the share of the power in each window's strongest wave, and that wave, periods per window.
-
-    The share is 0 where the wave is beyond the band of periods per window.
-    """
+def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[FloatArray, FloatArray]:
+    """Return each window's strongest wave, 1/mm, and its share of the power, 0 where it is no ridge's."""
     windows = np.lib.stride_tricks.sliding_window_view(copy, (_SIDE, _SIDE))
-    row, column = corners.T
-    some = windows[row.clip(0, windows.shape[0] - 1), column.clip(0, windows.shape[1] - 1)]
-    middle = some.reshape(len(some), -1) @ _TAPER.ravel() / _TAPER.sum()
+    x, y = np.rint(centres - _SIDE / 2).astype(int).T
+    some = windows[y.clip(0, windows.shape[0] - 1), x.clip(0, windows.shape[1] - 1)]
+    middle = np.einsum("ijk,jk->i", some, _TAPER) / _TAPER.sum()
     spectrum = fft.rfft2((some - middle[:, None, None]) * _TAPER).reshape(len(some), -1)
-    power = (spectrum.real**2 + spectrum.imag**2) * (_WEIGHTS > 0)
+    power = spectrum.real**2 + spectrum.imag**2
+    power[:, np.abs(_BINS) < _LOWEST] = 0
     highest = power.argmax(axis=1)
+    peak = _BINS[highest]
+    power *= _TWICE
     in_peak = np.take_along_axis(power, _MEMBERS[highest], axis=1) * _COUNTS[highest]
     total = in_peak.sum(axis=1)
-    share = total / (power @ _WEIGHTS + np.float32(1e-9))
-    # Ridges that turn within a window would have too short a mean: it gets the mean length.
-    waves = (in_peak * _TURNED[highest]).sum(axis=1)
-    waves *= (in_peak * _LENGTHS[highest]).sum(axis=1) / (np.abs(waves) * total + np.float32(1e-9))
-    peak = np.abs(_BINS[highest])
-    return share * ((peak >= band[0]) & (peak <= band[1])), waves
+    share = total / (power.sum(axis=1) + 1e-9)
+    waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
+    # Periods per window of the longest and the shortest wave that ridges may have.
+    low, high = (_SIDE * pitch / period for period in WINDOW_RIDGE_PERIOD_MM[::-1])
+    return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
 
 
-def _flows_on(waves: Waves, share: Float32Array, inside: BoolArray, reach: int) -> BoolArray:
+def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
     """Return for each window inside whether half of its neighbours on the grid have waves like its own."""
     rows, columns = inside.shape
     padded = np.zeros((3, rows + 2 * reach, columns + 2 * reach), dtype=waves.dtype)
@@ -257,7 +293,7 @@ def _flows_on(waves: Waves, share: Float32Array, inside: BoolArray, reach: int) 
     return np.asarray(2 * like.sum(axis=(1, 2)) >= there.real.sum(axis=(1, 2)) - 1)
 
 
-def _alike(waves: Waves) -> tuple[float, float]:
+def _alike(waves: FloatArray) -> tuple[float, float]:
     """Return how alike waves are: 1 where all have one direction, and the spread of their lengths."""
     lengths = np.abs(waves)
     return float(abs(((waves / lengths) ** 2).mean())), float(lengths.std() / lengths.mean())
