@@ -387,7 +387,6 @@ def test_area_against_load_of_six_prints_takes_at_most_20_actions(empty_tab: Tab
     act(page.get_by_role("button", name="Add to study").click)
     page.get_by_text("6 files added.").wait_for()
     act(page.get_by_role("link", name="Run the study").click)
-    act(page.get_by_role("button", name="Run", exact=True).click)
     act(page.get_by_role("link", name="See the results").click)
     page.locator(".chart .scatterlayer .point").first.wait_for()
     expect(page.locator(".chart .ytitle")).to_contain_text("contact area")
