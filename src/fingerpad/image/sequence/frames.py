@@ -6,8 +6,9 @@ import hashlib
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -112,7 +113,7 @@ class Frames(Displayed):
         """Go through all frames; one that is damaged, or of another size than the first, has a reason."""
         return self.between(0, self.count)
 
-    def between(self, start: int, stop: int) -> Iterator[Frame]:
+    def between(self, start: int, stop: int) -> Generator[Frame, None, None]:
         """Iterate over frames.
 
         A folder or a TIFF is entered at `start`; a video must be decoded up to there.
@@ -129,8 +130,9 @@ class Frames(Displayed):
         """
         shape = None
         if start:
-            readable = (frame.pixels for frame in self._decode(0, self.count) if frame.pixels is not None)
-            shape = next((pixels.shape for pixels in readable), None)
+            with closing(self._decode(0, self.count)) as frames:
+                readable = (frame.pixels for frame in frames if frame.pixels is not None)
+                shape = next((pixels.shape for pixels in readable), None)
         for frame in _decoded_ahead(self._decode(start, min(stop, self.count))):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
@@ -160,9 +162,10 @@ class Frames(Displayed):
         """
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
-        return next(self._decode(index, index + 1))
+        with closing(self._decode(index, index + 1)) as frames:
+            return next(frames)
 
-    def _decode(self, start: int, stop: int) -> Iterator[Frame]:
+    def _decode(self, start: int, stop: int) -> Generator[Frame, None, None]:
         if self.kind == "folder":
             return _folder_frames(frame_files(self.path), start, stop, self.memory_limit)
         if self.kind == "tiff":
@@ -170,9 +173,10 @@ class Frames(Displayed):
         return _video_frames(self.path, start, stop, self.count, self.memory_limit)
 
 
-def _decoded_ahead(frames: Iterator[Frame]) -> Iterator[Frame]:
+def _decoded_ahead(frames: Generator[Frame, None, None]) -> Iterator[Frame]:
     """Yield frames while a thread decodes the next one, so that it need not be waited for."""
-    with ThreadPoolExecutor(1) as decoder:
+    # Closed last, and whatever happens: an error that is kept would keep the file open.
+    with closing(frames), ThreadPoolExecutor(1) as decoder:
         following = decoder.submit(next, frames, None)
         while (frame := following.result()) is not None:
             following = decoder.submit(next, frames, None)
@@ -261,7 +265,9 @@ def frame_files(folder: Path) -> list[Path]:
     return sorted(pictures, key=natural)
 
 
-def _folder_frames(pictures: list[Path], start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
+def _folder_frames(
+    pictures: list[Path], start: int, stop: int, memory_limit: int
+) -> Generator[Frame, None, None]:
     for index, picture in enumerate(pictures[start:stop], start):
         try:
             frame = Frame(index=index, pixels=read_image(picture, memory_limit=memory_limit).pixels)
@@ -288,7 +294,7 @@ def _open_tiff(path: Path) -> tifffile.TiffFile:
     return tiff
 
 
-def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
+def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Generator[Frame, None, None]:
     # Reading one IFD at a time: a list of all pages would grow with the sequence.
     with _open_tiff(path) as tiff:
         count, broken = _count_readable_pages(tiff)
@@ -350,7 +356,9 @@ def _capture(path: Path, memory_limit: int) -> Any:
     return capture
 
 
-def _video_frames(path: Path, start: int, stop: int, count: int, memory_limit: int) -> Iterator[Frame]:
+def _video_frames(
+    path: Path, start: int, stop: int, count: int, memory_limit: int
+) -> Generator[Frame, None, None]:
     capture = _capture(path, memory_limit)
     index = 0
     try:

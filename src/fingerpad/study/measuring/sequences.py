@@ -7,7 +7,7 @@ by it.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -118,8 +118,9 @@ class SequenceImages:
 
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
-        frames = open_frames(folder / self.sequence.file).between(*piece)
-        scan = scan_texture(frames, self.found.scale, **contact_options(self.sequence, folder))
+        options = contact_options(self.sequence, folder)
+        with closing(open_frames(folder / self.sequence.file).between(*piece)) as frames:
+            scan = scan_texture(frames, self.found.scale, **options)
         return {"scan": to_record(replace(scan, reason=scan.reason and in_study(scan.reason, folder)))}
 
     def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
@@ -148,9 +149,9 @@ class SequenceImages:
                     corrected[frame.index] = self._corrected(frame, settings, folder)
                 yield frame
 
-        frames = seen(open_frames(folder / self.sequence.file).between(*piece))
         options = contact_options(self.sequence, folder)
-        results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **options))
+        with closing(open_frames(folder / self.sequence.file).between(*piece)) as frames:
+            results = list(measure_frames(seen(frames), self.found.scale, settings, watch=keep, **options))
         reasons = {result.index: result.reason for result in results}
         for index, one in corrected.items():
             reasons[index] = one.reason
