@@ -113,8 +113,9 @@ class Run {
       this.busy
         ? [
             progressOf(run),
-            h("div.actions", { key: "actions" }, [
-              button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }),
+            // Where Run stood: the second click of a double click does not stop what the first began.
+            h("div.actions", { key: "stop" }, [
+              button("Stop", ({ detail }) => detail < 2 && this.#cancel(), { kind: "bad", key: "c" }),
             ]),
           ]
         : [
