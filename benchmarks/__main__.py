@@ -97,7 +97,7 @@ def explain(name: str) -> None:
     print(" ".join(["usage: python -m benchmarks", name, *keys, "[--store]"]))
     for text in (module.__doc__, module.report.__doc__):
         print(f"\n{inspect.cleandoc(text)}")
-    print(f"\nThe defaults are the sample of benchmarks/results/{name}.md, which --store writes anew.")
+    print(f"\nThe defaults are the sample of benchmarks/results/{name}.md, which --store replaces.")
 
 
 def _value(text: str) -> int | float | str | bool:

@@ -106,7 +106,7 @@ def test_the_scatter_of_presses_is_in_checks_over_loads(tmp_path: Path) -> None:
     assert falls("once", (1, 0.95)).verdict in {HOLDS, NOT_TESTED}
     assert falls("far", (1, 0.6)).verdict == FAILS
     assert falls("repeated", (1, 0.85, 1.01, 0.86, 0.99, 0.84, 1, 0.85)).verdict == FAILS
-    assert falls("rendered", (1, 0.85), synthetic=True).verdict == FAILS  # nobody presses a rendered finger
+    assert falls("rendered", (1, 0.85), synthetic=True).verdict == FAILS  # a rendered contact has no press
 
 
 def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path: Path) -> None:
@@ -262,7 +262,7 @@ def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
     assert named(large, name).relative_difference == pytest.approx(0.1, abs=0.03)
     assert named(wide, name).verdict != HOLDS
     assert "off by at least this, the error at a/R = 0." in named(wide, name).note
-    # The whole pad's modulus of a narrower contact is none of this one's, and nobody is told to take it.
+    # The whole pad's modulus of a narrower contact is none of this one's: no advice is to take it.
     assert math.isnan(named(wide, name).value)
     assert math.isnan(named(wide, name).reference)
     assert "no better value is known" in remedies(wide.checks)[name]

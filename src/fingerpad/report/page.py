@@ -165,7 +165,7 @@ def _missing(result: StudyResult, found: Sequence[Answer]) -> Iterator[str]:
             f"Assumed, since the manifest does not say: {one}. Set wedge_angle_deg_std and "
             "roll_angle_deg_std if you know better."
         )
-    if shapeless := [name for name, finger in result.fingers.items() if finger.source == "none"]:
+    if shapeless := [name for name, finger in result.fingers.items() if not finger.has_semi_axes]:
         yield (
             "Missing: semi-axes or photographs, so that there are contact areas alone, no radius and no "
             f"modulus: {', '.join(shapeless)}."

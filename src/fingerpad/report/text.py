@@ -13,7 +13,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
-from fingerpad.study.manifest.messages import counted
+from fingerpad.study.manifest.messages import counted, joined
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.output import Answer
@@ -172,7 +172,7 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
         if summary.corrected_radius and summary.synthetic == synthetic
     ]
     if shapeless := [name for name, finger in result.fingers.items() if not finger.has_semi_axes]:
-        yield f"give semi-axes or photographs of {_joined(shapeless)}: radius and modulus follow"
+        yield f"give semi-axes or photographs of {joined(shapeless, _MOST_NAMED)}: radius and modulus follow"
     if not placed:
         return
     bare = {
@@ -181,12 +181,14 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
         if summary.layer is None and validity.verdict in {STRAINED, FAILS}
     }
     if bare:
-        yield f"state the thickness of the tissue over bone of {_joined(bare)}, where Hertz theory is off"
+        named = joined(bare, _MOST_NAMED)
+        yield f"state the thickness of the tissue over bone of {named}, where Hertz theory is off"
     untested = {
         one.finger: None for one, _ in placed if not loading_radius(result.curves, one.finger_and_wedge)
     }
     if untested:
-        yield f"record a loading curve of {_joined(untested)}: no contact image tests its own modulus"
+        named = joined(untested, _MOST_NAMED)
+        yield f"record a loading curve of {named}: no contact image tests its own modulus"
     if not result.repeatability[synthetic].known:
         yield (
             "press again under one load, four times or more: no ± holds what another impression would change"
@@ -202,14 +204,6 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
             f"{_SMALLER[source]}: {100 * share:.0f} % of the variance of the corrected radius, apart from "
             f"the theory's own error, comes from {from_what}"
         )
-
-
-def _joined(names: Iterable[str]) -> str:
-    """Return some names, or how many of several."""
-    listed = list(names)
-    *first, last = listed[:_MOST_NAMED]
-    more = f" and {len(listed) - _MOST_NAMED} more" if len(listed) > _MOST_NAMED else ""
-    return f"{', '.join([*first, last])}{more}" if more or not first else f"{', '.join(first)} and {last}"
 
 
 def placement_words(summary: Summary) -> str:

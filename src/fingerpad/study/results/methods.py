@@ -12,7 +12,7 @@ import fingerpad
 from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
-from fingerpad.study.manifest.messages import counted
+from fingerpad.study.manifest.messages import counted, joined
 from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord
@@ -62,8 +62,8 @@ def methods_section(result: StudyResult) -> MethodsRecord:
 
 
 def _fingers(result: StudyResult) -> Iterator[str]:
-    fingers = [finger for finger in result.fingers.values() if finger.source != "none"]
-    if areas_alone := [finger.name for finger in result.fingers.values() if finger.source == "none"]:
+    fingers = [finger for finger in result.fingers.values() if finger.has_semi_axes]
+    if areas_alone := [finger.name for finger in result.fingers.values() if not finger.has_semi_axes]:
         yield f"Of {_named(areas_alone)}, whose semi-axes are not known, contact areas alone were measured."
     if not fingers:
         return
@@ -79,14 +79,14 @@ def _fingers(result: StudyResult) -> Iterator[str]:
     for finger in fingers:
         ways.setdefault(_semi_axes_from(result, finger.name), []).append(finger.name)
     listed = [way if len(ways) == 1 else f"{way} for {_named(names)}" for way, names in ways.items()]
-    yield f"{'Its' if one else 'Their'} semi-axes were {_joined(listed)}."
+    yield f"{'Its' if one else 'Their'} semi-axes were {joined(listed)}."
     if rendered := [finger.name for finger in fingers if finger.synthetic]:
         yield f"All data of {_named(rendered)} are synthetic, made from known truth."
 
 
 def _named(fingers: list[str]) -> str:
     """Name fingers, since one may stand under two names, measured in two ways; count many."""
-    return _joined(fingers) if len(fingers) <= _MOST_LISTED else counted(len(fingers), "finger")
+    return joined(fingers) if len(fingers) <= _MOST_LISTED else counted(len(fingers), "finger")
 
 
 def _semi_axes_from(result: StudyResult, name: str) -> str:
@@ -95,7 +95,7 @@ def _semi_axes_from(result: StudyResult, name: str) -> str:
         return "given"
     seen = [face for face in _FACES if any(one.face == face for one in photographs)]
     kind = "photographs" if any(one.file for one in photographs) else "outlines"
-    return f"fitted to {kind} of the {_joined(seen)} faces"
+    return f"fitted to {kind} of the {joined(seen)} faces"
 
 
 def _contacts(result: StudyResult) -> Iterator[str]:
@@ -118,7 +118,7 @@ def _contacts(result: StudyResult) -> Iterator[str]:
     )
     # Not contacts: one may be given for each of two ways to measure its finger.
     counts = {"observation": len(study.observations), "sequence": len(study.sequences)}
-    given = _joined([counted(count, noun) for noun, count in counts.items() if count])
+    given = joined([counted(count, noun) for noun, count in counts.items() if count])
     load = result.rows["load_N"].to_numpy()
     loads = f" of {_range(load)} N" if np.isfinite(load).any() else ""
     sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
@@ -173,8 +173,8 @@ def _reviewed(result: StudyResult) -> Iterator[str]:
     if len(corrected):
         counts = Counter(corrected["reviewed"])
         people = sorted(set(corrected["reviewed_by"]) - {None})
-        listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
-        yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
+        listed = joined([f"{count} {verdict}" for verdict, count in counts.items()])
+        yield f"All was measured automatically, then {listed} manually by {joined(people)}."
     else:
         yield "All was measured automatically, without manual review."
     single = (result.rows["status"] == "measured") & result.rows["frame"].isna()
@@ -197,7 +197,7 @@ def _models(result: StudyResult) -> Iterator[str]:
     thick = [finger for finger in result.fingers.values() if finger.effective_thickness is not None]
     if thick:
         stated = [(one.name, one.effective_thickness, one.effective_thickness_std) for one in thick]
-        listed = _joined([f"{value_with_uncertainty(t, std)} mm ({name})" for name, t, std in stated])
+        listed = joined([f"{value_with_uncertainty(t, std)} mm ({name})" for name, t, std in stated])
         basis = f", {of.thickness_basis}" if of.thickness_basis else ""
         yield (
             "Beside it stands the whole ellipsoid on a layer bonded to rigid bone, of an effective thickness "
@@ -224,11 +224,11 @@ def _uncertainty(result: StudyResult) -> Iterator[str]:
                 "(standard deviations), which is part of each uncertainty."
             )
     if assumed := result.study.assumed():
-        yield f"Assumed to be known: {_joined(assumed)}."
+        yield f"Assumed to be known: {joined(assumed)}."
     if exact := result.study.taken_as_exact():
-        yield f"Taken as exact: {_joined(exact)}."
+        yield f"Taken as exact: {joined(exact)}."
     made = result.provenance
-    versions = _joined([f"{name} {version}" for name, version in made["measurement_versions"].items()])
+    versions = joined([f"{name} {version}" for name, version in made["measurement_versions"].items()])
     yield f"All was computed with fingerpad {made['fingerpad']} (versions of the measurements: {versions})."
 
 
@@ -271,13 +271,8 @@ def _listed(values: Iterable[float]) -> str:
     found = sorted(set(values))
     if len(found) > _MOST_LISTED:
         return f"{found[0]:g} to {found[-1]:g}"
-    return _joined([f"{value:g}" for value in found])
+    return joined([f"{value:g}" for value in found])
 
 
 def _range(values: FloatArray) -> str:
     return " to ".join(dict.fromkeys(f"{end:.2g}" for end in (np.nanmin(values), np.nanmax(values))))
-
-
-def _joined(parts: list[str]) -> str:
-    *first, last = parts
-    return f"{', '.join(first)} and {last}" if first else last

@@ -233,23 +233,14 @@ def _placement(
 
 
 def _at_highest_load(summary: Summary) -> dict[str, Any]:
-    columns = summary.table[
-        [
-            "load_N",
-            "semi_major_mm",
-            "semi_major_mm_std",
-            "semi_minor_mm",
-            "semi_minor_mm_std",
-            "gross_area_mm2",
-            "gross_area_mm2_std",
-        ]
-    ]
-    counts = summary.places[(summary.column("pooled") & (summary.column("load_N") > 0)).to_numpy()]
-    # By load: the last is that at the highest.
-    row = first_record(with_areas(columns.iloc[counts[-1:]])) or {}
-    names = {"highest_load_N": "load_N", "highest_area_mm2": "gross_area_mm2"}
-    names["highest_area_mm2_std"] = "gross_area_mm2_std"
-    return {name: row.get(column) for name, column in names.items()}
+    counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
+    # Places are by load: the last is that of the highest.
+    row = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
+    return {
+        "highest_load_N": row.get("load_N"),
+        "highest_area_mm2": row.get("gross_area_mm2"),
+        "highest_area_mm2_std": row.get("gross_area_mm2_std"),
+    }
 
 
 def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
@@ -483,22 +474,21 @@ class Answer:
         """What was found, without whose it is."""
         of, hertz = self.of, self.of.validity
         seen = counted(of.count or of.frames, "contact" if of.count else "frame")
+        off = _largest(hertz.verdict, hertz.checks)
+        off = off and f" ({off})"
         if math.isnan(of.mean_curvature_radius_mm):  # a finger without semi-axes
             area = f"contact areas of {seen}"
             if not math.isnan(self.area):
                 area = f"{_quantity('contact area', self.area, self.area_std, 'mm²')} under {self.load:.3g} N"
-            off = _largest(hertz.verdict, hertz.checks)
-            theory = off and f"; Hertz theory {hertz.verdict} ({off})"
+            theory = off and f"; Hertz theory {hertz.verdict}{off}"
             return f"{area}{theory}; no modulus and no radius, as the finger's semi-axes are not known"
         if not of.radius_from_indentation_count:
             return f"no modulus and no corrected radius, as none of {seen} counts"
         layer = hertz.on_layer if self.on_bone else None
         bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
         if layer and layer.verdict in {STRAINED, FAILS}:
-            off = _largest(layer.verdict, layer.checks)
-            bone += f" (layer {layer.verdict}{off and f': {off}'})"
-        off = _largest(hertz.verdict, hertz.checks)
-        off = off and f" ({off})"
+            of_layer = _largest(layer.verdict, layer.checks)
+            bone += f" (layer {layer.verdict}{of_layer and f': {of_layer}'})"
         theory = f"; Hertz theory {hertz.verdict}{off}"
         if layer and layer.verdict == hertz.verdict == FAILS:  # the modulus is known to a range at best
             other = hertz.headlines[MODULUS]

@@ -142,8 +142,11 @@ class _Batch:
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> "_Batch":
         reasons = [measured.rejected or measured.reason or _unloaded(measured) for _, measured in seen]
-        has_pad = [fingers[contact.finger].has_semi_axes for contact, _ in seen]
-        sound = np.array([n for n, pad in enumerate(has_pad) if pad and reasons[n] is None], dtype=np.intp)
+        has_pad = {name: finger.has_semi_axes for name, finger in fingers.items()}
+        sound = np.array(
+            [n for n, (contact, _) in enumerate(seen) if has_pad[contact.finger] and reasons[n] is None],
+            dtype=np.intp,
+        )
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
         inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
         modelled = Modelled.of(inputs, study.uncertainty)

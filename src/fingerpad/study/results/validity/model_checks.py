@@ -274,7 +274,7 @@ HERTZ_EXPONENT: Final = 2 / 3
 # Loads are the same where their ratio is above this.
 SAME_LOAD: Final = 0.9
 # How areas of presses of one finger under one load differ, relative, where a study has no repeats: three real
-# prints of one finger did so by 4.6 %. Rendered contacts are pressed by nobody.
+# prints of one finger did so by 4.6 %. A rendered contact has no press.
 PRESS_STD: Final = 0.046
 AREA_FALLS: Final = "area_falls"
 NO_CURVE: Final = "no loading data of this finger at this angle"
@@ -307,7 +307,9 @@ class FingerAtAngle(NamedTuple):
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> Self:
         """Gather what is known of a summary's finger at its angle."""
-        repeats = repeatability.get(summary.synthetic)
+        press_std, repeats = 0.0 if summary.synthetic else PRESS_STD, repeatability.get(summary.synthetic)
+        if repeats is not None and repeats.known:
+            press_std = repeats.area_std
         highest = rows.highest_load.get(summary.key)
         areas = summary.areas
         return cls(
@@ -320,11 +322,7 @@ class FingerAtAngle(NamedTuple):
             loading=loading_radius(curves, summary.finger_and_wedge),
             fits=tuple(_fits(curves, summary)),
             loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
-            press_std=repeats.area_std
-            if repeats and repeats.known
-            else 0.0
-            if summary.synthetic
-            else PRESS_STD,
+            press_std=press_std,
         )
 
     @property
