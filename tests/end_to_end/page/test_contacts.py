@@ -289,6 +289,19 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
     expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
 
 
+def test_a_key_frame_that_was_not_waited_for_leaves_the_next_frame_none(tab: Tab, demo) -> None:
+    page = tab.open("contacts/sequence:synthetic_press_30deg/synthetic_press_30deg%235")
+    numbers(page)
+    late = Late(page, "**/api/studies/*/measure/contact*")
+    page.get_by_role("checkbox", name="Key frame").check()
+    late.wait()
+    page.locator("h1").click()
+    page.keyboard.press(".")
+    page.wait_for_url(re.compile("%236$"))
+    numbers(page)
+    expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
+
+
 def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
     page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)

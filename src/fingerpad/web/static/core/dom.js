@@ -35,11 +35,13 @@ export function enter(node, key, value) {
 function fill(node, ...given) {
   const [properties, children] = given[0]?.constructor === Object ? given : [{}, given[0]];
   for (const [key, value] of Object.entries(properties)) {
-    if (value === undefined || value === null || value === false) continue;
-    if (key.startsWith("on")) on(node, key.slice(2), value);
+    if (value === undefined || value === null) continue;
+    if (key === "checked") enter(node, key, value);
+    else if (value === false) continue;
+    else if (key.startsWith("on")) on(node, key.slice(2), value);
     else if (key === "style") Object.assign(node.style, value);
     else if (key === "key") node.key = value;
-    else if (ENTERED.includes(key)) enter(node, key, value);
+    else if (key === "value") enter(node, key, value);
     else if (key === "selected" || key === "disabled") node[key] = value;
     else node.setAttribute(key, value === true ? "" : value);
   }
@@ -121,7 +123,10 @@ function patch(old, now) {
   for (const key of ENTERED) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];
     const isTyped = key === "value" && typed === old && old === document.activeElement;
-    if (before !== after && !isTyped) {
+    // A choice is another one where its answer was not waited for; text stays while it is corrected.
+    const isChoice = key === "checked" || old.nodeName === "SELECT";
+    const isOther = isChoice && after !== undefined && old[key] !== after;
+    if ((before !== after || isOther) && !isTyped) {
       old[key] = after ?? (key === "value" ? "" : false);
       old.setCustomValidity?.("");
     }

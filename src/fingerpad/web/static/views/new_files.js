@@ -5,7 +5,7 @@ import { h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { rules, workspace } from "../core/workspace.js";
-import { button, check, faultList, thumbnail } from "../parts/forms.js";
+import { button, check, faultList, thumbnail, withoutOverlap } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_ways.js";
 import { scrolled, tableOf } from "../parts/tables.js";
 import { allRow, base, COIN, fileRow, guessesOf, plural, takeGuess, takes } from "./new_files_row.js";
@@ -131,7 +131,7 @@ export class NewFiles {
       files.length > shown.length &&
         h("p.soft", `${files.length - shown.length} more files are not listed; "Add to study" adds all.`),
       check("These files are synthetic (rendered or simulated)", {
-        checked: this.shared.synthetic,
+        checked: this.shared.synthetic ?? false,
         onset: (on) => (this.shared.synthetic = on),
       }),
       h("datalist", { id: "fingers" }, [
@@ -321,7 +321,7 @@ export class NewFiles {
     return true;
   }
 
-  async #use() {
+  #use = withoutOverlap(async () => {
     await Promise.all([this.looking, this.reading]);
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
@@ -355,5 +355,5 @@ export class NewFiles {
       kind: "good",
       ...(left && { action: { words: "Show", do: this.showMissing } }),
     });
-  }
+  });
 }
