@@ -277,7 +277,8 @@ _CURVE: Final = (
     Flag(
         "untested_without_area",
         "without areas a layer on bone or a yielding stage looks like a changing modulus",
-        f"record areas too, and {GIVE_SEMI_AXES}; or state thickness and compliance of the stage",
+        "state the compliance of the stage and the thickness of the layer, inf for a half-space; or record "
+        f"areas too, and for a finger {GIVE_SEMI_AXES}",
     ),
     Flag(
         "constraint_assumed",

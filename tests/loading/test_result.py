@@ -80,6 +80,10 @@ def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
     weights = [float(found) for found in re.findall(r"(0\.\d{3})$", text, re.MULTILINE)]
     assert sum(weights) == pytest.approx(1, abs=0.005)
     assert text.count("ΔAICc") == 2
+    answer = text.splitlines()[2]
+    assert re.fullmatch(
+        r"  E = [\d.]+ ± [\d.]+ kPa at [\d.]+ N, of a half-space, doubtful: modulus_.*", answer
+    )
     assert "flag modulus_depends_on_load: a modulus that grows" in text
     assert text == fit.summary()
 

@@ -94,6 +94,9 @@ def test_report_and_results_of_areas_alone(tmp_path: Path) -> None:
     assert "contact areas alone, no radius and no modulus: g" in page
     assert "Of g, whose semi-axes are not known" in page
     assert not re.search(r"\bnan\b", page)
+    head = page[page.index('<table class="results">') :].partition("</thead>")[0]
+    assert "Corrected" in head  # of f
+    assert "Loading radius" not in head
     texts = {answer.label: answer.text for answer in answers_of(result)}
     assert texts["g, 45°"].startswith("contact area 116.")
     assert "corrected radius" in texts["f, 30°"]

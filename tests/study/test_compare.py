@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
@@ -314,13 +315,12 @@ def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> N
     rows = studies.rows_of(tmp_path / "compare.csv")
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
     assert {row["person"] for row in rows} == {"P01", "P02", ""}
-    assert {row["unit"] for row in rows} == {"mm", "kPa", "1"}
+    assert {row["unit"] for row in rows} == {"mm", "mm²", "kPa", "1"}
     record = json.loads((tmp_path / "compare.json").read_text())
     assert len(record["values"]) == len(rows)
     assert [mean["people"] for mean in record["means"]] == [len(mean.people) for mean in found.means]
-    assert (
-        sum(mean["synthetic"] for mean in record["means"]) == 9
-    )  # three axes, two radii and E at two angles
+    # Three semi-axes, and two radii, the area and E at two angles.
+    assert sum(mean["synthetic"] for mean in record["means"]) == 11
 
 
 def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tmp_path: Path) -> None:
@@ -331,12 +331,28 @@ def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tm
     assert not re.search(r'(?:src|href)="(?!#|data:)', page)
     rows = re.findall(r"<tr>.*?</tr>", page, re.DOTALL)
     of_pad = [row for row in rows if "<td>pad" in row]
-    assert len(of_pad) == 12
+    assert len(of_pad) == 14
     assert all('<span class="synthetic">' in row for row in of_pad)
     drawn = (tmp_path / "figures" / "compare_radius_from_indentation_mm.svg").read_text(encoding="utf-8")
     assert "Lab B, pad (synthetic)" in drawn
     figure = Figure.of_json((tmp_path / "figures" / "compare_radius_by_wedge.json").read_text("utf-8"))
     assert figure.panels[0].x.label == "wedge angle (°)"
+
+
+def test_areas_have_one_mean_at_each_load(runs: list[Path]) -> None:
+    areas = [
+        value(area, 2.0, person=f"P{n}", quantity="highest_area_mm2", load=load)
+        for n, (area, load) in enumerate([(98.0, 2.0), (104.0, 1.98), (60.0, 1.0), (64.0, 1.02)])
+    ]
+    means = means_of(areas)
+    assert {mean.load: len(mean.people) for mean in means} == {2.0: 2, 1.0: 2}
+    assert {mean.load: mean.value for mean in means} == pytest.approx({2.0: 101.0, 1.0: 62.0}, rel=0.01)
+    found = replace(compare_studies(runs), values=tuple(areas), means=tuple(means))
+    (plot,) = forest_plot(found, "highest_area_mm2")
+    assert list(plot.figure.panels[0].y.names)[-2:] == [
+        "mean over people at 1 N",
+        "mean over people at 2 N",
+    ]
 
 
 def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:

@@ -174,7 +174,8 @@ def fit(
         return
     if constraint is not None:
         found = found.divide_by_constraint(constraint)
-    lines, shown = [found.report()], {"file": str(curve), **found.as_record()}
+    lines: list[str] = []
+    shown = {"file": str(curve), **found.as_record()}
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
             record,
@@ -188,6 +189,7 @@ def fit(
         lines += [f"layer: {layer.conclusion}", f"modulus: {layer.advice}"]
         for flag in flags_in(layer.notes, "curve", notes=layer.notes):
             lines.append(f"flag {flag.code}: of the layer, {flag.words}. To do: {flag.to_do}.")
+        lines.append("")
         shown["layer"] = layer.as_record()
     if plot is not None:
         from fingerpad._files import make_folder
@@ -196,7 +198,7 @@ def fit(
 
         make_folder(plot)
         save_plots(loading_plots(curve.stem, record, found, cycle=cycle), plot)
-    _show("\n".join(lines), shown, as_json=as_json)
+    _show("\n".join([*lines, found.report()]), shown, as_json=as_json)
     show.folder("Figures", plot, as_json)
 
 

@@ -80,6 +80,8 @@ def _words(quantity: str, value: float, std: float) -> str:
 
 def _value_line(value: "Value") -> tuple[str, str, str]:
     text = _words(value.quantity, value.value, value.std)
+    if value.load > 0:
+        text = f"{text} at {value.load:.3g} N"
     return _who(value), _place(value), f"{text} ({value.verdict})" if value.verdict else text
 
 
@@ -90,7 +92,8 @@ def _mean_line(mean: "Mean") -> tuple[str, str, str]:
         f"between people {mean.between_people_std:.2g}"
     )
     label = "  (synthetic)" if mean.synthetic else ""
-    return f"mean of {len(mean.people)} people{label}", _place(mean), text
+    at = "" if mean.load is None else f" at {mean.load:g} N"
+    return f"mean of {len(mean.people)} people{at}{label}", _place(mean), text
 
 
 def figure(

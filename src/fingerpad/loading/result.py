@@ -378,12 +378,22 @@ class LoadingFit(Recorded):
         """Return the fit as text: law, quantities, other laws and explanations, and flags in words."""
         return "\n".join(self._lines())
 
+    def _answer(self) -> str:
+        """Return the answer in one line: Young's modulus with its load, and whether it is in doubt."""
+        found = self.youngs_modulus.times(KPA_PER_MPA)
+        if not found.known:
+            return "E is not known; why stands below"
+        value = value_with_uncertainty(found.value, found.std)
+        doubt = f", doubtful: {', '.join(self.flags)}" if self.flags else ""
+        return f"E = {value} kPa at {self.modulus_load:.3g} N, of a half-space{doubt}"
+
     def _lines(self) -> Iterator[str]:
         main = self.main
         low, high = self.fit_load_range
         presses = f", one of {len(self.cycles)} presses" if len(self.cycles) > 1 else ""
         yield f"{self._title}: W = 4/3 √R_g ξ^(3/2) (E_0g + β W)/(1 − ν²), ν = {main.poisson_ratio:g}"
         yield f"  {self.load.size} rows, loads from {low:.3g} to {high:.3g} N{presses}"
+        yield f"  {self._answer()}"
         yield ""
         yield from _quantity_lines({words: (found, unit) for _, words, found, unit in self._quantities()})
         yield ""

@@ -1,5 +1,6 @@
 """Comparison of studies as one page and its figures."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,7 @@ _SYMBOLS: Final = {
     "radial_ulnar_mm": "ℓ<sub>c</sub>",
     "mean_curvature_radius_mm": "R<sub>0g</sub>",
     "radius_from_indentation_mm": "R<sub>g</sub><sup>corr</sup>",
+    "highest_area_mm2": "A",
     "youngs_modulus_kpa": "E",
     "youngs_modulus_on_layer_kpa": "E<sub>layer</sub>",
     "initial_modulus_kpa": "E<sub>0g</sub>",
@@ -96,7 +98,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
             colours=colours,
             symbols=VERDICT_SYMBOLS,
             means=[
-                (places[mean.synthetic], mean)
+                (places[mean.synthetic, mean.load], mean)
                 for mean in means
                 if (mean.wedge_angle_deg, mean.roll_angle_deg) == (wedge, roll) and len(mean.people) > 1
             ],
@@ -121,8 +123,8 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
 
 def _rows(
     values: Sequence[Value], means: Sequence[Mean]
-) -> tuple[list[tuple[int, Value]], list[str], dict[bool, int]]:
-    """Return the row of each value, the names of rows, and the rows of the means, real and synthetic."""
+) -> tuple[list[tuple[int, Value]], list[str], dict[tuple[bool, float | None], int]]:
+    """Return the row of each value, the names of rows, and those of means: real, synthetic, at each load."""
 
     def key(value: Value) -> tuple[bool, str, str, str]:
         return value.synthetic, value.person.name, value.finger, value.study
@@ -131,10 +133,11 @@ def _rows(
     fingers = [each[:3] for each in order]
     labels = [_label(*each[:3], each[3] if fingers.count(each[:3]) > 1 else "") for each in order]
     places = {}
-    for synthetic in (False, True):
-        if any(mean.synthetic is synthetic and len(mean.people) > 1 for mean in means):
-            places[synthetic] = len(labels)
-            labels.append(f"mean over people{' (synthetic)' if synthetic else ''}")
+    for mean in sorted(means, key=lambda mean: (mean.synthetic, mean.load or 0.0)):
+        if len(mean.people) > 1 and (mean.synthetic, mean.load) not in places:
+            places[mean.synthetic, mean.load] = len(labels)
+            at = "" if mean.load is None else f" at {mean.load:g} N"
+            labels.append(f"mean over people{at}{' (synthetic)' if mean.synthetic else ''}")
     return [(order[key(value)], value) for value in values], labels, places
 
 
@@ -153,6 +156,7 @@ def _shown(values: Sequence[Value], means: Sequence[Mean]) -> Sequence[Value]:
             std=each.std,
             wedge_angle_deg=mean.wedge_angle_deg,
             roll_angle_deg=mean.roll_angle_deg,
+            load=math.nan if mean.load is None else mean.load,
         )
         for mean in means
         for each in mean.people

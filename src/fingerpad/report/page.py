@@ -75,6 +75,11 @@ def write_page(
             corrected=list(records(result.corrected[:_MOST_FAILED])),
             corrections=len(result.corrected),
             answers=found,
+            known={
+                "modulus": any(math.isfinite(one.modulus) for one in found),
+                "corrected": any(one.of.radius_from_indentation_count for one in found),
+                "loading": any(one.of.loading_radius_mm > 0 for one in found),
+            },
             most_answers=_MOST_ANSWERS,
             colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
             without=list(text.fingers_without_results(result)),

@@ -85,6 +85,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "radius_from_indentation_mm": Quantity(
         r"$R_\mathrm{g}^\mathrm{corr}$", "mm", "corrected radius, pooled over contacts"
     ),
+    "highest_area_mm2": Quantity("$A$", "mm²", "contact area at the highest load, averaged at one load"),
     "youngs_modulus_kpa": Quantity("$E$", "kPa", "Young's modulus by Hertz theory, at the highest load"),
     "youngs_modulus_on_layer_kpa": Quantity(
         r"$E_\mathrm{layer}$",
@@ -104,6 +105,8 @@ _FROM_CURVES: Final = {
     "curve_area_exponent": "area_exponent",
 }
 _ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
+_AREA: Final = "highest_area_mm2"
+_AT_LOAD: Final = {_AREA, "youngs_modulus_kpa", _ON_LAYER}
 
 
 class Person(NamedTuple):
@@ -150,11 +153,13 @@ class Value(OfFinger):
     source: str = ""  # loading curve that it comes from, if one
     velocity_mm_per_s: float = math.nan  # how fast that was; NaN where not known
     verdict: str = ""  # whether the model that it comes from holds there; empty where it comes from none
+    load: float = math.nan  # N, at which it holds; NaN where it goes with no load
 
     @property
-    def mean_key(self) -> tuple[str, float | None, float | None, bool]:
-        """What values of one mean have in common: quantity, wedge, roll, and whether synthetic."""
-        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+    def mean_key(self) -> tuple[str, float | None, float | None, bool, float | None]:
+        """What values of one mean share: quantity, placement, whether synthetic, and areas their load."""
+        load = float(f"{self.load:.2g}") if self.quantity == _AREA else None
+        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic, load
 
     def as_record(self) -> dict[str, Any]:
         """Return one row of a table."""
@@ -162,6 +167,7 @@ class Value(OfFinger):
             "quantity": self.quantity,
             "unit": QUANTITIES[self.quantity].unit or "1",
             **OfFinger.as_record(self),
+            "load_N": self.load,
             "value": self.value,
             "std": self.std,
             "model_std": self.model_std,
@@ -265,6 +271,7 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
             name: (getattr(summary, name), getattr(summary, f"{name}_std"))
             for name in (*shared, "area_exponent")
         }
+        found[_AREA] = summary.highest_area_mm2, summary.highest_area_mm2_std
         if modulus := headlines.get("youngs_modulus_kpa"):
             found["youngs_modulus_kpa"] = modulus.value, modulus.value_std
         if layer:
@@ -287,6 +294,7 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 gain_std=gain * value if quantity in {"youngs_modulus_kpa", _ON_LAYER} else 0.0,
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
+                load=summary.highest_load_N if quantity in _AT_LOAD else math.nan,
             )
 
 
@@ -323,6 +331,7 @@ class Mean(Displayed):
     wedge_angle_deg: float | None  # None for what belongs to the finger alone, as the roll
     roll_angle_deg: float | None
     synthetic: bool  # whether it is over rendered or simulated fingers; the two never mix
+    load: float | None  # N, of areas, which have one mean at each load, to two digits; None for the others
     people: tuple[PersonMean, ...]
     value: float
     std: float  # with what fingers of a study share, and values from a model
@@ -344,6 +353,7 @@ class Mean(Displayed):
             "unit": QUANTITIES[self.quantity].unit or "1",
             "wedge_angle_deg": self.wedge_angle_deg,
             "roll_angle_deg": self.roll_angle_deg,
+            "load_N": self.load,
             "synthetic": self.synthetic,
             "people": len(self.people),
             "fingers": self.fingers,
@@ -383,7 +393,7 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
 
 
 def _mean(values: Sequence[Value]) -> Mean:
-    quantity, wedge, roll, synthetic = values[0].mean_key
+    quantity, wedge, roll, synthetic, load = values[0].mean_key
     positive = QUANTITIES[quantity].positive
     people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:
@@ -409,6 +419,7 @@ def _mean(values: Sequence[Value]) -> Mean:
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
+        load=load,
         people=tuple(
             PersonMean(person=person, fingers=count, value=level.value, std=level.std)
             for person, (level, count) in zip(people, persons, strict=True)
