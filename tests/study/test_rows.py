@@ -1,5 +1,6 @@
 """Rows: each stated uncertainty reaches the numbers it must, and directions and labels are kept."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,14 @@ def folder(tmp_path: Path) -> Path:
 def test_one_picture_at_two_loads_is_noted(folder: Path) -> None:
     notes = run(folder, finger(), shown(), shown("y", 3)).notes
     assert notes == ("x and y: print.png at different loads: is one another contact's?",)
+
+
+def test_a_picture_that_counts_twice_is_noted_by_its_content(folder: Path) -> None:
+    shutil.copy(folder / "print.png", folder / "copy.png")
+    (note,) = run(folder, finger(), shown(), picture("y", "copy.png", 2, scale={"ppi": 500})).notes
+    assert note.startswith("x and y are one picture, print.png and copy.png, which counts 2 times")
+    part = {"region_of_interest_px": [0, 0, 300, 300]}
+    assert run(folder, finger(), shown(), picture("y", "copy.png", 2, scale={"ppi": 500}, **part)).notes == ()
 
 
 def test_wedge_angle(tmp_path: Path) -> None:

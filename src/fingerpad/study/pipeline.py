@@ -27,7 +27,8 @@ from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest.load import load_study, manifest_in
-from fingerpad.study.manifest.models import Study
+from fingerpad.study.manifest.messages import joined
+from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
@@ -170,7 +171,7 @@ def run_study(
                         *_notes(measured, log),
                         *study.doubts(),
                         *_unit_notes(measured.curves),
-                        *_repeated_files(study),
+                        *_repeated_files(study, origin["inputs_sha256"]),
                         *_column_notes(study, folder),
                     ),
                     executor=executor,
@@ -257,19 +258,26 @@ def _unit_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
                 yield f"{curve.manifest.file}: {doubt}"
 
 
-def _repeated_files(study: Study) -> Iterator[str]:
+def _repeated_files(study: Study, digests: Mapping[str, str]) -> Iterator[str]:
     """Yield which files are given twice, so that one press counts twice or has two loads."""
     presses = Counter((one.file, one.cycle, one.wedge_angle_deg) for one in study.curves if one.file)
     for (file, cycle, _), count in presses.items():
         if count > 1:
             yield f"{file}: press {cycle} is given {count} times, and counts so often in R_g"
-    loads: dict[str, dict[float, str]] = {}
+    pictures: dict[tuple[str, str], list[Observation]] = {}
     for one in study.observations:
         if one.file is not None:
-            loads.setdefault(one.file, {})[one.load_N] = one.name
-    for file, names in loads.items():
-        if len(names) > 1:
-            yield f"{' and '.join(names.values())}: {file} at different loads: is one another contact's?"
+            part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
+            pictures.setdefault((digests.get(one.file, one.file), part), []).append(one)
+    for same in filter(lambda same: len(same) > 1, pictures.values()):
+        names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
+        if len({one.load_N for one in same}) > 1:
+            yield f"{names}: {files} at different loads: is one another contact's?"
+        else:
+            yield (
+                f"{names} are one picture, {files}, which counts {len(same)} times: keep one of them, or say "
+                "by region_of_interest_px which part of it each is"
+            )
 
 
 def _mapped(key: str, columns: Mapping[str, str], name: str, column: str) -> str:
