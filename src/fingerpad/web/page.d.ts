@@ -44,6 +44,31 @@ declare global {
   type PhotographChange = NonNullable<BodyOf<"/measure/photograph", "post">["change"]>;
   type Change = ContactChange & PhotographChange;
 
+  type PhaseStart = Answers["PhaseStart"];
+  /** Scales of a time axis, its ends (s), its edges (px), and the time by which a key moves a limit (s). */
+  interface TimeAxis {
+    x: (time: number) => number;
+    time: (x: number) => number;
+    ends: number[];
+    top: number;
+    bottom: number;
+    height: number;
+    step: number;
+  }
+  type Vector = [number, number, number];
+  /** A flat face of the pad, the platen or the wedge. */
+  interface PadFace {
+    corners: Vector[];
+    centre: Vector;
+    normal: Vector;
+    colour: number[];
+  }
+
+  /** A quantity of an answer, as it is shown. */
+  type Shown = [key: string, words: string, symbol?: string, title?: string, mark?: string];
+  /** A tool: its name and that of its icon, its words, its key, and what the list of keys says of it. */
+  type Tool = [tool: string, words: string, shortcut: string, help?: string];
+
   /** A view of one step; `navigate` returns whether it can show the rest of an address. */
   interface View {
     navigate?(rest: string[]): boolean;

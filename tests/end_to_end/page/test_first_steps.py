@@ -175,7 +175,7 @@ def test_contacts_are_found_by_finger(two_fingers, example_tab: Tab) -> None:
     page.get_by_label("Show", exact=True).select_option("rejected")
     page.get_by_text("No image matches this filter.").wait_for()
     require_nothing_to_judge(page)
-    page.get_by_label("Show", exact=True).select_option("")
+    page.get_by_label("Show", exact=True).select_option("all")
     page.get_by_role("button", name="Accept and next").wait_for()
 
 

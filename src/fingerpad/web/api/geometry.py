@@ -29,10 +29,10 @@ class NamedLine(Answer):
 
 
 class Wedge(Answer):
-    """The wedge as a solid of triangles, mm."""
+    """The wedge as a solid: each edge is an edge of two faces, which go along it in opposite directions."""
 
     vertices_mm: list[Point3D]
-    faces: list[tuple[int, int, int]]
+    faces: list[list[int]]
 
 
 class SurfacePoint(Answer):
@@ -171,5 +171,5 @@ def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
     foot = high - ((high - low) @ level) * level
     width = np.array([0.0, 0.0, 0.8 * c])
     vertices = np.stack([side for corner in (low, high, foot) for side in (corner - width, corner + width)])
-    faces = [[0, 1, 3], [0, 3, 2], [0, 1, 5], [0, 5, 4], [2, 3, 5], [2, 5, 4], [0, 2, 4], [1, 3, 5]]
+    faces = [[2, 0, 1, 3], [4, 2, 3, 5], [0, 4, 5, 1], [0, 2, 4], [1, 5, 3]]
     return {"vertices_mm": vertices, "faces": faces}

@@ -17,6 +17,7 @@ from fingerpad.published import AuditItem, audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
 from fingerpad.study.corrections.items import ActiveCorrection
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
@@ -52,11 +53,12 @@ class ColumnEntry(Answer):
 
 
 class Rows(Answer):
-    """Some rows of the results; quantities in words have no units."""
+    """Some rows of the results; quantities in words have no units, and `usual` columns are read first."""
 
     total: int
     matching: int
     columns: list[ColumnEntry]
+    usual: list[str]
     rows: list[dict[str, Quantity | Cell]]
 
 
@@ -202,6 +204,7 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
         total=len(found.table),
         matching=len(chosen),
         columns=[_column(COLUMNS[name]) for name in columns],
+        usual=[name for name in _usual(opened.study()) if name in columns],
         rows=[
             {"item": item, **{name: _cell(row, name) for name in columns}}
             for item, row in zip(
@@ -232,13 +235,13 @@ def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     return chosen
 
 
-# Columns that the page calls by less than their names.
-_LABELS: Final = {
+# The usual columns in their order, which the page calls by less than their names.
+_USUAL: Final = {
     "finger": "Finger",
-    "status": "Status",
     "wedge_angle_deg": "θ",
     "load_N": "W",
-    "mm_per_px": "Scale",
+    "status": "Status",
+    "radius_from_indentation_mm": "Corrected R",
     "semi_major_mm": "ℓ_d",
     "semi_minor_mm": "ℓ_e",
     "gross_area_mm2": "Gross area",
@@ -249,12 +252,18 @@ _LABELS: Final = {
     "indentation_on_layer_mm": "ξ on layer",
     "loading_radius_on_layer_mm": "R_g on layer",
     "layer_flag": "Layer out of range",
-    "radius_from_indentation_mm": "Corrected R",
     "radius_from_compliance_mm": "R_Aξ",
     "mean_curvature_radius_mm": "R_0g",
     "contact_radius_ratio": "a/R",
     "measured_by": "By",
 }
+_LABELS: Final = _USUAL | {"mm_per_px": "Scale"}
+
+
+def _usual(study: Study) -> list[str]:
+    """Return the usual columns; those of a layer where a finger has a thickness."""
+    layered = any(finger.effective_thickness_mm is not None for finger in study.fingers)
+    return [name for name in _USUAL if layered or "layer" not in name]
 
 
 def _label(column: Column) -> str:

@@ -1,29 +1,29 @@
 // The page: steps in the sidebar, and the view of the current step.
 
-import { h, render } from "./core/dom.js";
+import { button, h, render } from "./core/dom.js";
 import { explain } from "./core/glossary.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
 import { showError } from "./core/messages.js";
 import { drawSidebar } from "./core/sidebar.js";
 import { workspace } from "./core/workspace.js";
-import * as contacts from "./views/contacts.js";
-import * as pad from "./views/pad.js";
-import * as photographs from "./views/photographs.js";
-import * as results from "./views/results.js";
-import * as run from "./views/run.js";
-import * as scale from "./views/scale.js";
-import * as study from "./views/study.js";
-import * as welcome from "./views/welcome.js";
+import { Contacts } from "./views/contacts.js";
+import { PadView } from "./views/pad.js";
+import { Photographs } from "./views/photographs.js";
+import { Results } from "./views/results.js";
+import { Run } from "./views/run.js";
+import { Scales } from "./views/scale.js";
+import { StudyView } from "./views/study.js";
+import { Welcome } from "./views/welcome.js";
 
-/** @type {[key: string, title: string, view: { open(root: Element, rest: string[]): View }][]} */
+/** @type {[key: string, title: string, view: new (root: Element, rest: string[]) => View][]} */
 export const STEPS = [
-  ["study", "Study", study],
-  ["scale", "Scale", scale],
-  ["photographs", "Photographs", photographs],
-  ["contacts", "Contacts", contacts],
-  ["pad", "Pad", pad],
-  ["run", "Run & export", run],
-  ["results", "Results", results],
+  ["study", "Study", StudyView],
+  ["scale", "Scale", Scales],
+  ["photographs", "Photographs", Photographs],
+  ["contacts", "Contacts", Contacts],
+  ["pad", "Pad", PadView],
+  ["run", "Run & export", Run],
+  ["results", "Results", Results],
 ];
 
 const work = document.getElementById("work");
@@ -55,10 +55,10 @@ function show({ fresh = false } = {}) {
     openName = wanted;
     work.className = `view-${wanted}`;
     render(work);
-    const view = wanted === "welcome" ? welcome : STEPS.find(([key]) => key === wanted)[2];
-    open = view.open(work, rest);
+    const [, title, Step] = STEPS.find(([key]) => key === name);
+    open = workspace.study ? new Step(work, rest) : /** @type {any} */ (new Welcome(work));
     document.title = workspace.study
-      ? `${STEPS.find(([key]) => key === name)[1]} – ${workspace.study.title || workspace.study.name}`
+      ? `${title} – ${workspace.study.title || workspace.study.name}`
       : "fingerpad";
   }
   drawSidebar(wanted, STEPS);
@@ -70,9 +70,7 @@ function failed(error) {
       h("h1", "The page cannot be loaded"),
       h("p", error.message),
       error.status === 403 && h("p", "Open the complete address that the terminal shows."),
-      h("div.actions", [
-        h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again"),
-      ]),
+      h("div.actions", [button("Try again", () => location.reload(), { kind: "primary" })]),
     ]),
   ]);
 }
@@ -97,7 +95,7 @@ workspace.on("study", (detail) => {
     drawSidebar(openName, STEPS);
   }
 });
-workspace.on("run", () => drawSidebar(openName, STEPS));
+for (const kind of ["run", "theme"]) workspace.on(kind, () => drawSidebar(openName, STEPS));
 workspace.on("link", ({ problem }) => {
   const banner = document.getElementById("link");
   document.body.classList.toggle("cut", Boolean(problem));

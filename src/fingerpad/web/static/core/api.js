@@ -95,9 +95,11 @@ export const remove = (path, body) => request("DELETE", path, { body });
 /** Address of a small picture of an item. @param {string} item */
 export const thumbnailOf = (item) => addressOf("/picture/thumbnail", { item });
 
-/** Where a contact image, or a frame of a sequence, is reviewed. */
-export const contactAddress = (item, sequence = null) =>
-  `#/contacts/${[sequence ? `sequence:${sequence}` : "images", item].map(encodeURIComponent).join("/")}`;
+/** Where a contact image, or a frame of a sequence, is reviewed; without an item, the sequence. */
+export function contactAddress(item, sequence = null) {
+  const parts = [sequence ? `sequence:${sequence}` : "images", item].filter(Boolean);
+  return `#/contacts/${parts.map(encodeURIComponent).join("/")}`;
+}
 
 /** Address of a file of the results, or of the study folder as a ZIP. */
 export const download = (file) => addressOf(`/download/${file}`);
@@ -105,14 +107,16 @@ export const download = (file) => addressOf(`/download/${file}`);
 /**
  * Send a file; `progress` is called with the fraction sent.
  *
+ * @param {string} path
+ * @param {Record<string, any>} query
  * @param {File} file
- * @param {{ folder?: string, progress?: (fraction: number) => void }} [options]
- * @returns {Promise<Answers["UploadedFile"]>}
+ * @param {(fraction: number) => void} [progress]
+ * @returns {Promise<any>} the answer
  */
-export function upload(file, { folder, progress } = {}) {
+export function send(path, query, file, progress) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    request.open("POST", addressOf("/files", { name: file.name, folder }));
+    request.open("POST", addressOf(path, query));
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
     request.onload = () =>
@@ -143,7 +147,7 @@ export class LatestRequest {
   /**
    * @param {(state: S) => Promise<A>} send
    * @param {(answer: A, state: S) => void} done
-   * @param {(error: Error, state: S) => void} failed
+   * @param {(error: any, state: S) => void} failed
    * @param {Element} [busyElement] is `aria-busy` until it shows the latest answer
    */
   constructor(send, done, failed, busyElement) {

@@ -18,17 +18,8 @@ export class Corrections {
     this.operator = operator;
     this.changed = changed;
     this.conflict = conflict;
-    /** @type {Answers["Corrections"]} */
-    this.document = {
-      item,
-      last_id: 0,
-      change: {},
-      on_another_image: false,
-      pooling: null,
-      history: [],
-      can_undo: false,
-      can_redo: false,
-    };
+    // Until it is loaded.
+    this.document = /** @type {Answers["Corrections"]} */ ({ item, last_id: 0, change: {}, history: [] });
     /** Whether a verdict is being saved. */
     this.judging = false;
     /** @type {Promise<any>} */
@@ -122,7 +113,11 @@ export class Corrections {
   }
 }
 
-const WORDS = {
+/** The reason of a correction that none is stated for. */
+export const NO_REASON = "no reason given";
+
+/** What is changed, by the keys of a correction. */
+export const WORDS = {
   dark_on_light: "polarity",
   threshold: "threshold",
   seed_px: "seed point",
@@ -131,8 +126,8 @@ const WORDS = {
   strokes: "drawing",
   ellipse_px: "ellipse",
   key_frame: "key frame",
-  added_points_px: "points added",
-  erased: "points erased",
+  added_points_px: "added points",
+  erased: "erased points",
   tip: "side of the fingertip",
   palmar_side: "palmar side",
   accepted: "accepted",

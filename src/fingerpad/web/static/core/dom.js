@@ -80,9 +80,12 @@ export function render(node, children = []) {
 
 /**
  * Make the content of an element equal to `children`, and keep the nodes that are there: those with the same
- * `key`, else the next of the same kind. So the focus, what is being typed, and what is folded open stay.
+ * `key`, else the next of the same kind. So the focus, what is being typed, and what is folded open stay;
+ * nothing stays of content that was about something else, as by the key of what it is `about`.
  */
-export function update(node, children) {
+export function update(node, children, about = undefined) {
+  if (node.about !== about) node.replaceChildren();
+  node.about = about;
   /** @type {any[]} */
   const wanted = shown(children).map((child) =>
     child instanceof Node ? child : document.createTextNode(String(child)),
@@ -154,6 +157,47 @@ export function pathOf(points, closed = true) {
 
 /** Points [row, column] as one path of dots: a stroke without length that has round ends is one. */
 export const dotsOf = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
+
+/** Buttons that are busy, and whether a click of the present double click has begun what takes a while. */
+const busy = new WeakSet();
+let begun = false;
+
+/**
+ * A button. A double click begins what takes a while once, whatever stands there by its second click; and the
+ * button begins nothing again before that has ended.
+ *
+ * @param {any} words
+ * @param {(event: any) => any} onclick returns a promise if it takes a while
+ * @param {{ kind?: string, key?: string, title?: string, label?: string } & Record<string, any>} [options]
+ *   and attributes
+ */
+export function button(words, onclick, { kind = "", key, label, ...attributes } = {}) {
+  const press = (event) => {
+    const node = event.currentTarget;
+    if (event.detail < 2) begun = false;
+    if (begun || busy.has(node)) return;
+    const work = onclick(event);
+    if (!(work instanceof Promise)) return;
+    begun = true;
+    busy.add(node);
+    work.finally(() => busy.delete(node));
+  };
+  return h(
+    "button",
+    {
+      type: "button",
+      class: kind,
+      onclick: press,
+      "aria-label": label,
+      "aria-keyshortcuts": key,
+      ...attributes,
+    },
+    [words, key && h("kbd", { "aria-hidden": "true" }, key)],
+  );
+}
+
+/** A small button. @type {typeof button} */
+export const small = (words, onclick, options) => button(words, onclick, { kind: "small", ...options });
 
 let count = 0;
 export const newId = (stem = "f") => `${stem}${(count += 1)}`;

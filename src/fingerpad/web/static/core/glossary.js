@@ -1,6 +1,6 @@
 // Symbols, each explained where it stands by the library's glossary: on hover, on focus and by touch.
 
-import { h } from "./dom.js";
+import { h, render } from "./dom.js";
 import { workspace } from "./workspace.js";
 
 const ROOM = 8;
@@ -11,10 +11,7 @@ const tip = h("div.term-tip", { id: "term-tip", role: "tooltip", hidden: true })
 
 const meaningOf = (key) => workspace.session?.glossary[key];
 
-function wordsOf(key) {
-  const { name, meaning, unit } = meaningOf(key);
-  return `${name}${unit ? `, ${unit}` : ""}: ${meaning}.`;
-}
+const titleOf = ({ name, unit }) => [name, unit].filter(Boolean).join(", ");
 
 /** The letters of a symbol, with subscripts and superscripts. @param {string} key */
 export const symbolParts = (key) =>
@@ -39,7 +36,7 @@ export function symbol(key, { inControl = false, words } = {}) {
     {
       "data-term": known && key,
       tabindex: known && !inControl ? 0 : undefined,
-      "aria-description": known && wordsOf(key),
+      "aria-description": known && `${titleOf(known)}: ${known.meaning}.`,
     },
     words ?? symbolParts(key),
   );
@@ -47,13 +44,9 @@ export function symbol(key, { inControl = false, words } = {}) {
 
 function show(term) {
   shown = term;
-  const key = term.dataset.term;
-  const { name, meaning, unit, column } = meaningOf(key);
-  tip.replaceChildren(
-    h("strong", `${name}${unit ? `, ${unit}` : ""}`),
-    h("span", `${meaning}.`),
-    column && h("code", column),
-  );
+  const known = meaningOf(term.dataset.term);
+  const { meaning, column } = known;
+  render(tip, [h("strong", titleOf(known)), h("span", `${meaning}.`), column && h("code", column)]);
   // In an open dialog, which is above everything else.
   (term.closest("dialog") ?? document.body).append(tip);
   tip.hidden = false;

@@ -1,6 +1,6 @@
 // Keyboard shortcuts: each view binds its own, and the help dialog lists them.
 
-import { h } from "./dom.js";
+import { button, h } from "./dom.js";
 import { openDialog } from "./messages.js";
 
 const everywhere = [];
@@ -24,10 +24,15 @@ export function nameOf(event) {
   );
 }
 
+/** Keys that go to another image, change an angle, or make a brush larger. */
+const MOVING = /Arrow|^[.,[\]wW]$/;
+
 export function listen() {
   document.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
     const name = nameOf(event);
+    // A key that is held goes on moving, but saves nothing again.
+    if (event.repeat && !MOVING.test(name)) return;
     // Arrow keys on a slider move it.
     if (/** @type {Element} */ (event.target).matches?.("input[type=range]") && /^Arrow|Home|End/.test(name))
       return;
@@ -63,10 +68,7 @@ function table(title, keys) {
 
 export function showHelp() {
   const dialog = h("dialog.help", { "aria-label": "Keys" }, [
-    h("header", [
-      h("h2", "Keys"),
-      h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close"),
-    ]),
+    h("header", [h("h2", "Keys"), button("Close", () => dialog.close(), { autofocus: true })]),
     h("div.columns", [here.length > 0 && table("This step", here), table("Everywhere", everywhere)]),
   ]);
   openDialog(dialog);

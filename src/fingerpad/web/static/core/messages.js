@@ -1,6 +1,6 @@
 // Messages in the corner, and modal questions.
 
-import { h, render } from "./dom.js";
+import { button, h, render } from "./dom.js";
 
 /**
  * Show a message for some seconds; errors, and messages with `stays`, stay until they are closed.
@@ -12,13 +12,8 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
   const box = document.getElementById("messages");
   const message = h(`div.message.${kind}`, [
     h("p", words),
-    action &&
-      h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
-    h(
-      "button.icon",
-      { type: "button", "aria-label": "Close this message", onclick: () => message.remove() },
-      "×",
-    ),
+    action && button(action.words, () => (message.remove(), action.do()), { kind: "link" }),
+    button("×", () => message.remove(), { kind: "icon", label: "Close this message" }),
   ]);
   for (const each of box.children) if (each.firstChild.textContent === words) each.remove();
   box.append(message);
@@ -29,6 +24,9 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
 
 /** Remove all messages: they are about a study that is left. */
 export const clearMessages = () => render(document.getElementById("messages"));
+
+/** The action of a message that goes to a step. */
+export const goTo = (words, step) => ({ words, do: () => (location.hash = `#/${step}`) });
 
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
@@ -66,8 +64,8 @@ export function ask(title, body, yes, { no = "Cancel", kind = "primary" } = {}) 
         h("h2", title),
         h("div.body", body),
         h("div.actions", [
-          h("button", { type: "button", onclick: () => dialog.close() }, no),
-          h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: agree }, yes),
+          button(no, () => dialog.close()),
+          button(yes, agree, { kind, autofocus: kind === "primary" }),
         ]),
       ],
     );

@@ -34,7 +34,6 @@ export function quantityRow(label, text, { was, mark, title, beside } = {}) {
 /**
  * Rows of quantities of an answer, by their keys.
  *
- * @typedef {[key: string, words: string, symbol?: string, title?: string, mark?: string]} Shown
  * @param {Shown[]} shown
  * @param {any} answer
  * @param {{ automatic?: any, beside?: (key: string) => any }} [options] the automatic answer, to compare
@@ -48,6 +47,9 @@ export const quantityRows = (shown, answer, { automatic, beside } = {}) =>
       beside: beside?.(key),
     }),
   );
+
+/** How many there are of something. */
+export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 
 export function ago(when) {
   const seconds = (Date.now() - Date.parse(when)) / 1000;

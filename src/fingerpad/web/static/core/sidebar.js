@@ -1,8 +1,7 @@
 // The sidebar: the steps with their status, and switches for the whole page.
 
-import { h, render, s } from "./dom.js";
+import { button, h, s, update } from "./dom.js";
 import { showHelp } from "./keys.js";
-import { showError } from "./messages.js";
 import { workspace } from "./workspace.js";
 
 const mark = new URL("../mark.svg", import.meta.url).href;
@@ -42,7 +41,7 @@ function stepStatus(step) {
 
 export function drawSidebar(open, steps) {
   const study = workspace.study;
-  render(sidebar, [
+  update(sidebar, [
     h("a.brand", { href: "#/study", "aria-label": "fingerpad, to the study" }, [
       h("img", { src: mark, alt: "", width: 26, height: 26 }),
       h("span", "fingerpad"),
@@ -51,11 +50,7 @@ export function drawSidebar(open, steps) {
       h("div.study-name", [
         h("span.eyebrow", "Study"),
         h("strong", { title: study.title }, study.title || study.name),
-        h(
-          "button.link",
-          { type: "button", onclick: () => workspace.close().catch(showError) },
-          "Other studies",
-        ),
+        button("Other studies", () => workspace.close(), { kind: "link" }),
       ]),
     study &&
       h("ol.steps", [
@@ -79,13 +74,7 @@ export function drawSidebar(open, steps) {
         }),
       ]),
     h("div.grow"),
-    h("div.switches", [
-      themeSwitch(),
-      h("button", { type: "button", onclick: () => showHelp(), "aria-label": "Keys" }, [
-        "Keys",
-        h("kbd", "?"),
-      ]),
-    ]),
+    h("div.switches", [themeSwitch(), button(["Keys", h("kbd", "?")], showHelp, { label: "Keys" })]),
     h("p.version", `fingerpad ${workspace.session?.version ?? ""} · local only`),
   ]);
   // On a small screen the steps are one row, which scrolls.
@@ -97,31 +86,19 @@ function themeSwitch() {
   const now = root.dataset.theme ?? "auto";
   const next = { auto: "light", light: "dark", dark: "auto" }[now];
   const words = { auto: "Auto", light: "Light", dark: "Dark" }[now];
-  return h(
-    "button",
-    {
-      type: "button",
-      "aria-label": `Theme: ${words}. Switch to ${next}`,
-      onclick: (event) => {
-        if (next === "auto") {
-          delete root.dataset.theme;
-          localStorage.removeItem("fingerpad.theme");
-        } else {
-          root.dataset.theme = next;
-          localStorage.setItem("fingerpad.theme", next);
-        }
-        const fresh = themeSwitch();
-        event.currentTarget.replaceWith(fresh);
-        fresh.focus();
-        workspace.emit("theme");
-      },
-    },
-    [
-      s("svg", { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" }, [
-        s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }),
-        s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" }),
-      ]),
-      words,
-    ],
-  );
+  const change = () => {
+    if (next === "auto") {
+      delete root.dataset.theme;
+      localStorage.removeItem("fingerpad.theme");
+    } else {
+      root.dataset.theme = next;
+      localStorage.setItem("fingerpad.theme", next);
+    }
+    workspace.emit("theme");
+  };
+  const icon = s("svg", { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" }, [
+    s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }),
+    s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" }),
+  ]);
+  return button([icon, words], change, { label: `Theme: ${words}. Switch to ${next}` });
 }

@@ -77,7 +77,7 @@ class Workspace extends EventTarget {
       document = await get("/state");
       if (context.study === null) return null; // left meanwhile
     } while (known !== this.#version);
-    return this.#update(document);
+    return this.take(document);
   }
 
   /** Leave the study. */
@@ -92,8 +92,8 @@ class Workspace extends EventTarget {
     history.replaceState(null, "", `${location.pathname}#/study`);
   }
 
-  /** @param {State} document */
-  #update(document) {
+  /** Take the state of the study, or of one to open. @param {State} document */
+  take(document) {
     this.#version += 1;
     context.study = document.name;
     sessionStorage.setItem(OPEN, document.name);
@@ -168,29 +168,12 @@ class Workspace extends EventTarget {
     if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
   }
 
-  async open(name) {
-    this.#update(await post("/api/session/open", { name }));
-  }
-
-  async create(title) {
-    this.#update(await post("/api/session/new", { title }));
-  }
-
-  /** Open a new copy of the synthetic example study. */
-  async createExample() {
-    this.#update(await post("/api/session/example"));
-  }
-
   /** Leave the study: it stays open for other windows, and its run goes on. */
   async close() {
     this.session = await get("/api/session");
     this.#leave();
     sessionStorage.setItem(OPEN, "");
     this.emit("study", { first: true });
-  }
-
-  update(document) {
-    return this.#update(document);
   }
 
   /**
@@ -212,7 +195,7 @@ class Workspace extends EventTarget {
 
   /** @param {Edit[]} edits */
   async #edit(edits) {
-    const send = async () => this.#update(await post("/edits", { expected: this.study.digest, edits }));
+    const send = async () => this.take(await post("/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
       return await send();

@@ -110,6 +110,7 @@ export class Filmstrip {
     const cell = h(
       "div.cell",
       {
+        id: `cell-${index}`,
         role: "option",
         "data-index": index,
         "aria-setsize": this.entries.length,
@@ -117,7 +118,6 @@ export class Filmstrip {
       },
       [h("div.thumb"), h("div.cell-label")],
     );
-    cell.id = `cell-${index}`;
     cell.style.transform = `translateX(${index * CELL}px)`;
     this.#label(cell, index);
     return cell;

@@ -1,17 +1,14 @@
 // Phases of a sequence as bands over time, whose limits are moved by pointer or keys.
 
-import { Corrections } from "../core/corrections.js";
-import { attributes, h, render, s } from "../core/dom.js";
+import { Corrections, NO_REASON } from "../core/corrections.js";
+import { attributes, h, render, s, small } from "../core/dom.js";
 import { drag } from "../core/gestures.js";
 import { showError } from "../core/messages.js";
 import { ago, short } from "../core/quantity.js";
-import { button, text } from "../parts/forms.js";
+import { text } from "../parts/forms.js";
 
-const REASON = "no reason given";
 /** A move by keys is saved after this pause. */
 const PAUSE_MS = 450;
-
-/** @typedef {Answers["PhaseStart"]} PhaseStart */
 
 export class PhaseLimits {
   /** @type {Corrections | null} */
@@ -23,8 +20,7 @@ export class PhaseLimits {
   #timer = null;
   #dragged = false;
   #saves = 0;
-  /** @type {{ x: (time: number) => number, time: (x: number) => number, ends: number[], top: number,
-   *   bottom: number, height: number, step: number } | null} */
+  /** @type {TimeAxis | null} */
   #place = null;
   /** @type {Frame[]} */
   #frames = [];
@@ -35,12 +31,11 @@ export class PhaseLimits {
     this.words = h("span.soft", { role: "status" });
     this.why = text({
       value: "",
-      placeholder: REASON,
+      placeholder: NO_REASON,
       label: "Reason of the phases",
       onset: () => this.#manual && this.#save(this.#starts),
     });
-    const act = (words, label, doing) =>
-      button(words, () => doing()?.catch(showError), { kind: "small", label });
+    const act = (words, label, doing) => small(words, () => void doing()?.catch(showError), { label });
     this.undoButton = act("Undo", "Undo the change of phases", () => this.#corrections?.undo());
     this.redoButton = act("Redo", "Redo the change of phases", () => this.#corrections?.redo());
     this.resetButton = act("Reset", "Reset the phases to automatic", () =>
@@ -118,13 +113,7 @@ export class PhaseLimits {
     return rows.some(({ time_s, phase }) => at(time_s) !== phase);
   }
 
-  /**
-   * Draw the bands over a time axis.
-   *
-   * @param {{ x: (time: number) => number, time: (x: number) => number, ends: number[], top: number,
-   *   bottom: number, height: number, step: number }} place scales, ends of the axis (s), edges (px), and the
-   *   time by which a key moves a limit (s)
-   */
+  /** Draw the bands over a time axis. @param {TimeAxis} place */
   draw(place) {
     this.#place = place;
     this.#draw();
@@ -262,7 +251,7 @@ export class PhaseLimits {
   /** @param {PhaseStart[] | null} starts */
   #save(starts) {
     if (!starts) return;
-    const phases = { starts, why: this.why.value.trim() || REASON };
+    const phases = { starts, why: this.why.value.trim() || NO_REASON };
     this.#saves += 1;
     this.#corrections
       .keep(() => ({ phases }))

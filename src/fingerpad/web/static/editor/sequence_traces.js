@@ -1,9 +1,8 @@
 // Force and contact area of a sequence over time, and area against force, with the current frame.
 
-import { attributes, h, render, s } from "../core/dom.js";
+import { attributes, button, h, render, s } from "../core/dom.js";
 import { drag } from "../core/gestures.js";
 import { percent, short } from "../core/quantity.js";
-import { button } from "../parts/forms.js";
 import { PhaseLimits } from "./phase_limits.js";
 
 const HEIGHT = 132;
@@ -31,7 +30,7 @@ const path = (points) =>
   points.map(([x, y], k) => `${k ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
 /** The least and the greatest of some values; a spread would overflow the stack with very many. */
-const ends = (values) =>
+const extent = (values) =>
   values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
 
 /** Dots at some places, one for each pixel: the first frame there draws it. */
@@ -53,16 +52,10 @@ const joined = (some) => some.map(({ d }) => d).join("");
 const label = (x, y, words, kind = "", anchor = "start") =>
   s("text", { x, y, class: kind, "text-anchor": anchor }, words);
 
-/** The index of the nearest value in a rising list. */
+/** The index of the nearest value. */
 function nearest(values, wanted) {
-  let low = 0;
-  let high = values.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (values[middle] < wanted) low = middle;
-    else high = middle;
-  }
-  return wanted - values[low] < values[high] - wanted ? low : high;
+  const far = values.map((value) => Math.abs(value - wanted));
+  return far.indexOf(extent(far)[0]);
 }
 
 export class SequenceTraces {
@@ -99,7 +92,9 @@ export class SequenceTraces {
     this.playButton = button("Play", () => this.#toggle());
     this.alignBox = h("input", { type: "checkbox", onchange: () => this.#aligning() });
     this.alignWords = h("span.soft", { role: "status" });
-    this.keepButton = button("Keep this alignment", () => this.events.aligned(this.#start()));
+    this.keepButton = button("Keep this alignment", () =>
+      this.events.aligned(this.#signal.start_s + this.#shift),
+    );
     this.keepButton.hidden = true;
     this.bar = h("div.trace-bar", [
       this.playButton,
@@ -161,8 +156,8 @@ export class SequenceTraces {
     const frames = this.#frames;
     const areas = frames.map(({ gross_area_mm2: area }) => area ?? 0);
     const times = frames.map(({ time_s }) => time_s);
-    const greatest = (values) => values.reduce((most, value) => Math.max(most, value), 0);
-    const ends = [Math.min(time[0], times[0] ?? time[0]), Math.max(time.at(-1), times.at(-1) ?? time.at(-1))];
+    const greatest = (values) => Math.max(0, extent(values)[1]);
+    const ends = extent([time[0], time.at(-1), ...times]);
     const bottom = HEIGHT - PAD.bottom;
     this.x = scale(...ends, PAD.left, width - PAD.right);
     this.time = scale(PAD.left, width - PAD.right, ...ends);
@@ -209,9 +204,9 @@ export class SequenceTraces {
       side.plot.setAttribute("width", String(this.sideWidth));
       const across = this.#frames.map((frame) => frame[side.by]);
       const known = across.filter((value) => value !== null);
-      const x = scale(Math.min(0, ends(known)[0]), ends(known)[1] || 1, SIDE_LEFT, right);
+      const x = scale(Math.min(0, extent(known)[0]), extent(known)[1] || 1, SIDE_LEFT, right);
       const values = this.#frames.map((frame) => frame[side.key]);
-      const [low, high] = ends(values.filter(Boolean));
+      const [low, high] = extent(values.filter(Boolean));
       const y = scale(side.fromZero ? 0 : low, high, bottom - (side.fromZero ? 0 : 6), PAD.top + 12);
       side.points = dots(
         values.map((value, k) => (value && across[k] !== null ? [x(across[k]), y(value)] : null)),
@@ -346,10 +341,6 @@ export class SequenceTraces {
       `frames ${(1000 * this.#shift).toFixed(0)} ms later: areas scatter ${percent(here)} about a power of ` +
       `the force; least, ${percent(scatter[best])}, at ${(1000 * shifts[best]).toFixed(0)} ms`
     );
-  }
-
-  #start() {
-    return this.#signal.start_s + this.#shift;
   }
 
   close() {

@@ -1,7 +1,7 @@
 // An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in
 // pixels of the full image; pixel centres are whole numbers.
 
-import { attributes, h, s } from "../core/dom.js";
+import { attributes, button, h, s } from "../core/dom.js";
 import { ARROWS } from "../core/gestures.js";
 
 const BAR_MM = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
@@ -49,9 +49,9 @@ export class Stage {
   }
 
   #zoomButtons() {
-    const make = (words, label, act, name = "button") =>
-      h(name, { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
-    this.percent = make("100 %", "Fit the image (0)", () => this.fit(), "button.number");
+    const make = (words, label, act, kind = "") =>
+      button(words, act, { kind, label, title: label, tabindex: -1 });
+    this.percent = make("100 %", "Fit the image (0)", () => this.fit(), "number");
     return h("div.zoom", [
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
       this.percent,

@@ -1,10 +1,9 @@
 // Upload of files that are dropped on the page or chosen, one after the other.
 
-import { upload } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { send } from "../core/api.js";
+import { button, h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
-import { button } from "./forms.js";
 
 /** Files of a drop, with the folder of each: the frames of a sequence are dropped as one folder. */
 async function filesOf(transfer) {
@@ -76,7 +75,7 @@ export class Drop {
       const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
       render(this.progress, [h("span", `${index + 1} of ${files.length}: ${file.name}`), bar]);
       try {
-        kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
+        kept.push(await send("/files", { name: file.name, folder }, file, (share) => (bar.value = share)));
       } catch (error) {
         refused.push(`${file.name}: ${error.message}`);
       }

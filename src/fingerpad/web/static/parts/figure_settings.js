@@ -1,9 +1,9 @@
 // A dialog that draws a figure of the report for publication: width, fonts, axes, colours, and its downloads.
 
-import { addressOf, get } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { addressOf, get, LatestRequest } from "../core/api.js";
+import { button, h, render } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
-import { button, choiceField, choose, field, numberField } from "./forms.js";
+import { choiceField, choose, field, numberField } from "./forms.js";
 
 const WIDTHS = [
   ["", "as in the report"],
@@ -15,7 +15,6 @@ const WIDTHS = [
 ];
 const SCALES = [["", "as it is"], "linear", ["log", "logarithmic"]];
 const FORMATS = ["svg", "pdf", "png", "csv"];
-const PAUSE_MS = 250;
 
 /** Open the dialog for a figure. @param {Answers["FigureEntry"]} figure */
 async function openFigureSettings({ name, caption }) {
@@ -25,49 +24,36 @@ async function openFigureSettings({ name, caption }) {
   const preview = h("img.preview", { alt: caption || name.replaceAll("_", " ") });
   const refusal = h("p.note.bad", { role: "alert", hidden: true });
   const links = h("div.actions");
-  let timer;
-  let newest = 0;
 
   const address = (kind, more = {}) => {
     const changed = settings.colours.some((colour, place) => colour !== details.colours[place]);
     const colours = changed ? settings.colours.join(",") : null;
     return addressOf("/results/figure/file", { ...settings, ...more, name, kind, colours });
   };
-  const draw = async () => {
-    const mine = ++newest;
-    preview.setAttribute("aria-busy", "true");
-    const answer = await fetch(address("svg"));
-    const words = answer.ok ? "" : (await answer.json()).error;
-    const drawing = answer.ok ? await answer.blob() : null;
-    if (mine !== newest) return;
-    preview.removeAttribute("aria-busy");
-    refusal.hidden = answer.ok;
-    refusal.textContent = words;
+  const show = ({ drawing, error }) => {
+    refusal.hidden = Boolean(drawing);
+    refusal.textContent = error ?? "";
     if (drawing) {
       URL.revokeObjectURL(preview.src);
       preview.src = URL.createObjectURL(drawing);
     }
-    render(links, [
-      answer.ok &&
-        FORMATS.map((kind) =>
-          h("a.button", { href: address(kind, { attachment: true }), download: "" }, kind.toUpperCase()),
-        ),
-    ]);
+    const link = (kind) =>
+      h("a.button", { href: address(kind, { attachment: true }), download: "" }, kind.toUpperCase());
+    render(links, drawing && FORMATS.map(link));
   };
+  const draw = async (svg) => {
+    const answer = await fetch(svg);
+    return answer.ok ? { drawing: await answer.blob() } : answer.json();
+  };
+  const drawings = new LatestRequest(draw, show, showError, preview);
   const set = (key) => (value) => {
     settings[key] = value;
-    clearTimeout(timer);
-    timer = setTimeout(draw, PAUSE_MS);
+    drawings.request(address("svg"));
   };
-  const length = (label, key, value) =>
-    numberField(label, {
-      placeholder: String(Math.round(value)),
-      min: 20,
-      max: 500,
-      onset: set(key),
-      unit: "mm",
-    });
-  const width = length("Width", "width_mm", details.width_mm);
+  const size = (label, key, unit, now, [min, max]) =>
+    numberField(label, { placeholder: String(now), min, max, onset: set(key), unit });
+  const [wide, high] = [details.width_mm, details.height_mm].map(Math.round);
+  const width = size("Width", "width_mm", "mm", wide, [20, 500]);
   const column = choose({
     value: "",
     options: WIDTHS,
@@ -103,25 +89,19 @@ async function openFigureSettings({ name, caption }) {
         h("div.fields", [
           field("Journal", column),
           width,
-          length("Height", "height_mm", details.height_mm),
-          numberField("Font", { placeholder: "7.5", min: 3, max: 30, onset: set("font_pt"), unit: "pt" }),
+          size("Height", "height_mm", "mm", high, [20, 500]),
+          size("Font", "font_pt", "pt", 7.5, [3, 30]),
           details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
           details.colours.length > 0 &&
             h("fieldset", [h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))]),
-          numberField("Resolution of PNG", {
-            placeholder: "300",
-            min: 50,
-            max: 1200,
-            onset: set("dpi"),
-            unit: "dpi",
-          }),
+          size("Resolution of PNG", "dpi", "dpi", 300, [50, 1200]),
           links,
         ]),
       ]),
     ],
   );
   openDialog(dialog);
-  await draw();
+  drawings.request(address("svg"));
 }
 
 /**

@@ -1,4 +1,4 @@
-// Form controls with labels and units.
+// Form controls with labels and units, and other elements that views share.
 
 import { thumbnailOf } from "../core/api.js";
 import { enter, h, newId, on, render, s } from "../core/dom.js";
@@ -213,16 +213,15 @@ export function choose({ value, options, onset, label }) {
 
 /** @typedef {NonNullable<Parameters<typeof field>[2]>} Beside */
 
-/** @param {any} label @param {Parameters<typeof choose>[0] & Beside} of */
-export const choiceField = (label, { unit, hint, wide, ...of }) =>
-  field(label, choose(of), { unit, hint, wide });
+/** @type {<O>(make: (of: O) => any) => (label: any, of: O & Beside) => any} */
+const labelled =
+  (make) =>
+  (label, { unit, hint, wide, ...of }) =>
+    field(label, make(/** @type {any} */ (of)), { unit, hint, wide });
 
-/** @param {any} label @param {Parameters<typeof number>[0] & Beside} of */
-export const numberField = (label, { unit, hint, wide, ...of }) =>
-  field(label, number(of), { unit, hint, wide });
-
-/** @param {any} label @param {Parameters<typeof text>[0] & Beside} of */
-export const textField = (label, { unit, hint, wide, ...of }) => field(label, text(of), { unit, hint, wide });
+export const choiceField = labelled(choose);
+export const numberField = labelled(number);
+export const textField = labelled(text);
 
 /**
  * A slider with its value; `show` sets another value.
@@ -251,23 +250,10 @@ export function check(label, { checked, onset } = {}) {
   return h("label.check", [box, h("span", label)]);
 }
 
-/**
- * @param {any} words
- * @param {() => any} onclick
- * @param {{ kind?: string, key?: string, disabled?: boolean, title?: string, label?: string }} [options]
- */
-export function button(words, onclick, { kind = "", key, disabled, title, label } = {}) {
-  return h(
-    "button",
-    { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key },
-    [words, key && h("kbd", { "aria-hidden": "true" }, key)],
-  );
-}
-
 /** Icons of tools, 20 × 20 px. */
 const icons = new URL("../icons.svg", import.meta.url).href;
 
-/** Ignore calls of an async function while it runs, as on a double click. */
+/** Ignore calls of an async function while it runs: by a button, and by a key too. */
 export function withoutOverlap(work) {
   let busy = false;
   return async () => {
@@ -329,6 +315,16 @@ export function segments(label, options, value, onset, { vertical = false } = {}
   row.show = show;
   return row;
 }
+
+/** What went wrong, or must not be overlooked. */
+export const alarm = (words) => h("p.note.bad", { role: "alert" }, words);
+
+/** The head of a view: its title, words below it, and what stands beside. */
+export const head = (title, words, ...actions) =>
+  h("header.head", [
+    h("div", [h("h1", title), words && h("p", words)]),
+    actions.length > 0 && h("div.actions", actions),
+  ]);
 
 /** A notice with actions, shown where there is nothing else. */
 export function empty(title, words, ...actions) {

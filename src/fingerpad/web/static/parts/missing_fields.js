@@ -1,9 +1,9 @@
-// What a study lacks, each with the field that takes it.
+// What a study lacks, each with the field that takes it, and notes about what is entered.
 
-import { h } from "../core/dom.js";
+import { h, small } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { rules, workspace } from "../core/workspace.js";
-import { button, choose, number } from "./forms.js";
+import { chip, choose, number } from "./forms.js";
 import { scaleChoice } from "./scale_ways.js";
 
 /** Semi-axes of a pad, and what they are called. */
@@ -82,15 +82,44 @@ const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] 
 export function missingList(entries, { named = false, axes } = {}) {
   return h("ul.missing", [
     entries.map((entry) =>
-      h("li", [
+      h("li", { key: `${entry.kind} ${entry.key} ${entry.place}` }, [
         named && h("strong", nameOf(entry)),
         h("span", entry.words),
         h("div.missing-field", [
           entry.place.startsWith("semi_axes_mm") && axes
-            ? button("Enter the semi-axes", () => axes(entry.key), { kind: "small" })
+            ? small("Enter the semi-axes", () => axes(entry.key))
             : fieldOf(entry),
         ]),
       ]),
     ),
   ]);
 }
+
+const CHANGED = "photographs, their scale or their corrections have changed since the last run";
+
+const isStale = ({ status, semi_axes_mm: axes }) => status === "stale" && axes !== null;
+
+/**
+ * A mark beside semi-axes of a finger, or a radius from them; nothing where they are up to date.
+ *
+ * @param {string | null | undefined} name
+ */
+export function staleChip(name, words = "of the last run, out of date") {
+  const finger = workspace.study.fingers.find((each) => each.name === name);
+  return finger && isStale(finger) && chip(words, "warn", `Semi-axes of ${name}: ${CHANGED}.`);
+}
+
+/** Notes about fingers whose semi-axes are out of date, or have none after the last run. */
+export const axesNotes = () =>
+  workspace.study.fingers
+    .filter(({ status }) => status === "stale" || status === "failed")
+    .map(({ name, status, reason }) =>
+      h("div.note", [
+        status === "failed"
+          ? [h("strong", "No semi-axes in the last run: "), `${reason}.`]
+          : [h("strong", `Semi-axes of ${name} are out of date. `), `Its ${CHANGED}; run the study again.`],
+      ]),
+    );
+
+/** Notes about values of the manifest that look as if they were meant otherwise, as full widths. */
+export const doubtNotes = (name = "div.note") => workspace.study.doubts.map((words) => h(name, `${words}.`));

@@ -9,10 +9,15 @@ const SKIN = [242, 217, 198, 1];
 const BACK = [219, 224, 230, 1];
 const PLATEN = [87, 178, 232, 0.3];
 const WEDGE = [143, 158, 178, 0.5];
-const START = { turn: -0.62, tilt: 0.42 };
 
-/** @typedef {[number, number, number]} Vector */
-/** @typedef {{ corners: Vector[], centre: Vector, normal: Vector, colour: number[] }} Face */
+/** From where the pad is seen: turned about the platen's normal, and tilted towards it, radians. */
+export const VIEWS = {
+  Oblique: { turn: -0.62, tilt: 0.42 },
+  Side: { turn: 0, tilt: 0 },
+  Tip: { turn: Math.PI / 2, tilt: 0 },
+  "Through platen": { turn: -Math.PI / 2, tilt: 1.5 },
+};
+
 /** @type {(p: number, a: Vector, q: number, b: Vector) => Vector} */
 const sum = (p, a, q, b) => [p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]];
 /** @type {(a: Vector, b: Vector) => Vector} */
@@ -23,20 +28,19 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (a) => sum(1 / (Math.hypot(...a) || 1), a, 0, a);
 const LIGHT = unit([-0.45, 0.65, 0.72]);
 
-/** @type {(corners: Vector[], colour: number[]) => Face} */
+/** @type {(corners: Vector[], colour: number[]) => PadFace} */
 function faceOf(corners, colour) {
   const [a, b, c] = corners;
-  const across = corners.length === 4 ? sum(1, corners[3], -1, b) : sum(1, c, -1, b);
   const total = corners.reduce((one, other) => sum(1, one, 1, other));
   return {
     corners,
     centre: sum(1 / corners.length, total, 0, total),
-    normal: unit(cross(sum(1, c, -1, a), across)),
+    normal: unit(cross(sum(1, c, -1, a), sum(1, corners.at(-1), -1, b))),
     colour,
   };
 }
 
-/** The faces of the pad, whose normals point outwards. @param {Vector[][]} mesh @returns {Face[]} */
+/** The faces of the pad, whose normals point outwards. @param {Vector[][]} mesh @returns {PadFace[]} */
 const padFaces = (mesh) =>
   mesh.slice(1).flatMap((line, row) =>
     line.slice(1).map((_, column) => {
@@ -48,28 +52,16 @@ const padFaces = (mesh) =>
     }),
   );
 
-/** Edges of a solid, without those inside a flat face. */
-function sharpEdges({ vertices_mm: vertices, faces }) {
-  const seen = new Map();
-  for (const face of faces) {
-    const { normal } = faceOf(
-      face.map((index) => vertices[index]),
-      WEDGE,
-    );
-    face.forEach((from, index) => {
-      const to = face[(index + 1) % face.length];
-      const key = from < to ? `${from} ${to}` : `${to} ${from}`;
-      const other = seen.get(key);
-      const flush = other && Math.abs(dot(other.normal, normal)) > 0.999;
-      seen.set(key, { normal, ends: [vertices[from], vertices[to]], flush });
-    });
-  }
-  return [...seen.values()].filter(({ flush }) => !flush).map(({ ends }) => ends);
-}
+/** The edges of a solid: two faces go along each, in opposite directions. */
+const edgesOf = ({ vertices_mm: vertices, faces }) =>
+  faces
+    .flatMap((face) => face.map((from, place) => [from, face[(place + 1) % face.length]]))
+    .filter(([from, to]) => from < to)
+    .map((ends) => ends.map((index) => vertices[index]));
 
 export class PadScene {
   constructor() {
-    this.view = { ...START };
+    this.view = VIEWS.Oblique;
     this.canvas = h("canvas");
     this.paint = this.canvas.getContext("2d");
     this.marks = s("g.marks");
@@ -93,7 +85,7 @@ export class PadScene {
     this.root.addEventListener("keydown", (event) => {
       const arrow = ARROWS[event.key];
       if (arrow) this.#turn(0.1 * arrow[1], 0.1 * arrow[0]);
-      else if (event.key === "0") this.look(START);
+      else if (event.key === "0") this.look("Oblique");
       else return;
       event.preventDefault();
       event.stopPropagation();
@@ -102,11 +94,13 @@ export class PadScene {
 
   /** @type {(by: number, tilt: number) => void} */
   #turn(by, tilt) {
-    this.look({ turn: this.view.turn + by, tilt: Math.max(-1.5, Math.min(1.5, this.view.tilt + tilt)) });
+    this.view = { turn: this.view.turn + by, tilt: Math.max(-1.5, Math.min(1.5, this.view.tilt + tilt)) };
+    this.draw();
   }
 
+  /** @param {string} view its name */
   look(view) {
-    this.view = { ...view };
+    this.view = VIEWS[view];
     this.draw();
   }
 
@@ -125,7 +119,7 @@ export class PadScene {
         ),
       ),
     ];
-    this.edges = sharpEdges(scene.wedge);
+    this.edges = edgesOf(scene.wedge);
     this.reach = Math.max(...[...scene.platen_mm, ...vertices].map((at) => Math.hypot(...at)));
     this.draw();
   }

@@ -1,14 +1,11 @@
 // Whether a contact counts in the pooled radius: why, and its correction.
 
 import { contactAddress } from "../core/api.js";
-import { Corrections, withoutDefaults } from "../core/corrections.js";
-import { h, update } from "../core/dom.js";
-import { showError } from "../core/messages.js";
+import { Corrections, NO_REASON, withoutDefaults } from "../core/corrections.js";
+import { h, small, update } from "../core/dom.js";
 import { ago, short } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
-import { button, text } from "./forms.js";
-
-const REASON = "no reason given";
+import { text } from "./forms.js";
 
 /** @param {Answers["PoolingCorrectionRecord"]} correction */
 const correctionWords = ({ include, why, who, when }) =>
@@ -26,6 +23,16 @@ async function correctPooling(item, pooling) {
   }
 }
 
+/** Buttons that correct whether a contact is pooled. */
+function actionsOf(pooled, correction, set, item) {
+  const words = pooled ? "Leave out" : "Include";
+  const correct = () => set({ include: !pooled, why: NO_REASON });
+  return h("div.actions", [
+    small(words, correct, { label: `${words} ${item}` }),
+    correction && small("Undo the correction", () => set(null), { label: `Undo the correction of ${item}` }),
+  ]);
+}
+
 /**
  * Which contacts of a group are pooled, who is out and why, with a button for each.
  *
@@ -34,22 +41,16 @@ async function correctPooling(item, pooling) {
 export function poolingList(pooling) {
   const { contacts, contacts_pooled: pooled, contacts_rejected: rejected } = pooling;
   const { frames, frames_pooled: framesPooled } = pooling;
-  const why = text({ value: "", placeholder: REASON, label: "Reason of the correction" });
+  const why = text({ value: "", placeholder: NO_REASON, label: "Reason of the correction" });
   const list = h("ul.pooling-list");
   const draw = () => update(list, [pooling.in_question.map((one) => row(one))]);
   /** @param {Answers["PooledContact"]} one */
   const row = (one) => {
     const wanted = one.correction?.include ?? one.pooled;
-    const set = (value) => async () => {
-      try {
-        one.correction = await correctPooling(
-          one.item,
-          value && { ...value, why: why.value.trim() || REASON },
-        );
-        draw();
-      } catch (error) {
-        showError(error);
-      }
+    const set = async (pooling) => {
+      const reason = why.value.trim() || NO_REASON;
+      one.correction = await correctPooling(one.item, pooling && { ...pooling, why: reason });
+      draw();
     };
     const load = one.load_N === null ? "" : `, ${short(one.load_N)} N`;
     return h("li", { "data-pooled": String(one.pooled) }, [
@@ -59,14 +60,7 @@ export function poolingList(pooling) {
         one.correction && h("strong", [correctionWords(one.correction), ". "]),
         one.correction && one.correction.include !== one.pooled && "It takes effect with the next run.",
       ]),
-      h("div.actions", [
-        button(wanted ? "Leave out" : "Include", set({ include: !wanted }), {
-          kind: "small",
-          label: `${wanted ? "Leave out" : "Include"} ${one.item}`,
-        }),
-        one.correction &&
-          button("Undo", set(null), { kind: "small", label: `Undo the correction of ${one.item}` }),
-      ]),
+      actionsOf(wanted, one.correction, set, one.item),
     ]);
   };
   draw();
@@ -95,11 +89,6 @@ export function poolingOf({ pooled, excluding_flags: flags, correction }, set) {
     flags.length > 0 && [": ", flags.map(describeCode).join("; ")],
     ". ",
     correction && [correctionWords(correction), ". "],
-    h("div.actions", [
-      button(pooled ? "Leave out" : "Include", () => set({ include: !pooled, why: REASON }), {
-        kind: "small",
-      }),
-      correction && button("Undo the correction", () => set(null), { kind: "small" }),
-    ]),
+    actionsOf(pooled, correction, set, "this contact"),
   ]);
 }

@@ -28,42 +28,33 @@ const NUMBERS = {
 };
 
 /**
- * What each way is called, what to do with its picture, what to say while something lacks, and its numbers.
+ * What each way is called, what to do with its picture, and what to say while something lacks.
  *
- * @type {Record<string, { words: string, picture?: string, lacking: (table: any) => string,
- *   numbers: string[] }>}
+ * @type {Record<string, { words: string, picture?: string, lacking: (table: any) => string }>}
  */
 export const WAYS = {
   line: {
     words: "Ruler",
     picture: "Draw a line between two marks of the ruler.",
     lacking: ({ line }) => (line ? "Enter the length of the line." : "Draw a line on the ruler."),
-    numbers: ["length_mm", "length_mm_std", "ends_px_std"],
   },
   coin: {
     words: "Coin",
     picture: "The whole coin, parallel to the image plane, on a plain background.",
     lacking: () => "Select or enter the coin's diameter.",
-    numbers: ["diameter_mm", "diameter_mm_std"],
   },
   circle: {
     words: "Circle",
     picture: "Click three points on the rim of a coin, far apart; drag them to move them.",
     lacking: ({ circle }) => (circle ? "Enter the diameter." : "Click three points on the rim."),
-    numbers: ["diameter_mm", "diameter_mm_std", "points_px_std"],
   },
   grid: {
     words: "Grid",
     picture: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
     lacking: () => "Count the points of the grid, and enter their spacing.",
-    numbers: ["spacing_mm", "spacing_mm_std"],
   },
-  ppi: { words: "ppi", lacking: () => "Enter the resolution.", numbers: ["ppi", "relative_std"] },
-  mm_per_px: {
-    words: "mm/px",
-    lacking: () => "Enter the size of a pixel.",
-    numbers: ["mm_per_px", "relative_std"],
-  },
+  ppi: { words: "ppi", lacking: () => "Enter the resolution." },
+  mm_per_px: { words: "mm/px", lacking: () => "Enter the size of a pixel." },
 };
 
 const PATTERNS = [
@@ -111,7 +102,8 @@ export function scaleFields(way, { table, set, redraw }) {
       count("down", 0),
       count("along", 1),
     ],
-    WAYS[way].numbers.map((key) => {
+    keysOf(way).map((key) => {
+      if (!(key in NUMBERS)) return null;
       const [words, unit] = NUMBERS[key];
       const placeholder = key.endsWith("_std") ? "not stated" : undefined;
       const [max, hint] = key === "relative_std" ? [1, "0.01 is 1 %"] : [];
@@ -126,10 +118,12 @@ export const wayOf = (table) => Object.keys(WAYS).find((key) => table?.[key] !==
 /** What a scale begins with. */
 export const startOf = (way) => ({ ...rules().scale_ways[way].starts });
 
+/** The keys in which a scale is stated in one of the ways. */
+const keysOf = (way) => [...rules().scale_ways[way].needs, ...rules().scale_ways[way].may];
+
 /** The keys of a way that are filled in. */
 export function definitionOf(table, way) {
-  const { needs, may } = rules().scale_ways[way];
-  const keys = [...needs, ...may].filter((key) => table[key] !== undefined);
+  const keys = keysOf(way).filter((key) => table[key] !== undefined);
   return Object.fromEntries(keys.map((key) => [key, table[key]]));
 }
 

@@ -1,7 +1,7 @@
 // Tables of what a study holds, one row for each thing.
 
-import { h } from "../core/dom.js";
-import { button, chip } from "./forms.js";
+import { h, small } from "../core/dom.js";
+import { chip } from "./forms.js";
 
 const STATUS = {
   done: ["measured", "good"],
@@ -62,29 +62,31 @@ export function tableOf(name, headings, rows) {
   return h(name, [h("thead", h("tr", cells)), h("tbody", rows)]);
 }
 
+/** Buttons that turn the pages of a long table, if there are several. @param {(page: number) => any} turn */
+export function pager(page, pages, turn) {
+  const go = (to, words, label) => small(words, () => turn(to), { disabled: to < 0 || to >= pages, label });
+  return (
+    pages > 1 && [
+      go(page - 1, "‹", "Previous page"),
+      h("span.number", `${page + 1} of ${pages}`),
+      go(page + 1, "›", "Next page"),
+    ]
+  );
+}
+
 /**
- * Buttons that turn the pages of a long table, and which rows are shown.
+ * The rows of a page, and the buttons that turn it.
  *
  * @template T
  * @param {T[]} rows
  * @param {number} page
  * @param {number} size rows on a page
  * @param {(page: number) => void} turn
- * @returns {{ shown: T[], pager: any }}
  */
 export function paged(rows, page, size, turn) {
   const pages = Math.max(1, Math.ceil(rows.length / size));
   const at = Math.min(page, pages - 1);
-  const go = (by, words, label) =>
-    button(words, () => turn(at + by), { kind: "small", disabled: at + by < 0 || at + by >= pages, label });
-  return {
-    shown: rows.slice(at * size, (at + 1) * size),
-    pager: pages > 1 && [
-      go(-1, "‹", "Previous page"),
-      h("span.number", `${at + 1} of ${pages}`),
-      go(1, "›", "Next page"),
-    ],
-  };
+  return { shown: rows.slice(at * size, (at + 1) * size), pager: pager(at, pages, turn) };
 }
 
 /**
@@ -101,8 +103,8 @@ function labelCells(table) {
   }
 }
 
-/** A row of cells. @param {...any} cells */
-export const row = (...cells) => h("tr", cells);
+/** A row of cells, by the key of what it is about. @param {string} key @param {...any} cells */
+export const row = (key, ...cells) => h("tr", { key }, cells);
 
 /** A cell. @param {...any} content */
 export const cell = (...content) => h("td", content);

@@ -1,21 +1,18 @@
 // Results, settings and history of a contact image, with the automatic result to compare.
 
-import { h, render, update } from "../core/dom.js";
+import { h, render, small } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { showError } from "../core/messages.js";
-import { quantityRow, quantityRows, short } from "../core/quantity.js";
-import { adviseCode, workspace } from "../core/workspace.js";
+import { quantityRow, quantityRows, short, signedPercent } from "../core/quantity.js";
+import { adviseCode, who } from "../core/workspace.js";
 import { Histogram } from "../editor/histogram.js";
-import { button, check, chip, choiceField, numberField, segments, synthetic } from "../parts/forms.js";
-import { SURFACES } from "../parts/missing_fields.js";
-import { staleChip } from "../parts/notes.js";
+import { alarm, check, chip, choiceField, numberField, segments, synthetic } from "../parts/forms.js";
+import { SURFACES, staleChip } from "../parts/missing_fields.js";
 import { poolingOf } from "../parts/pooling.js";
 import { verdictChip } from "../parts/results.js";
-import { agreementOf } from "./agreement.js";
+import { tableOf } from "../parts/tables.js";
 import { flagNote, Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
 
-/** @typedef {import("../core/quantity.js").Shown} Shown */
 /** @type {Shown[]} */
 const MEASURED = [
   ["semi_major_mm", "Semi-major", "ℓ_d", "semi-major axis of the ellipse", "ellipse"],
@@ -38,13 +35,8 @@ const MODEL = [
 const EXPECTED = "A/(πξ) of the whole pad on the layer; compare with the radius from loading data";
 /** Beside the model, where the finger's thickness is stated. @type {Shown[]} */
 const ON_LAYER = [
-  [
-    "youngs_modulus_on_layer_kpa",
-    "Young's modulus",
-    "E",
-    "from load and area, of the whole pad on the layer",
-  ],
-  ["indentation_on_layer_mm", "Indentation", "ξ", "of the whole pad on the layer, from the area"],
+  ["youngs_modulus_on_layer_kpa", "Young's modulus", "E", "of the pad on the layer, from load and area"],
+  ["indentation_on_layer_mm", "Indentation", "ξ", "of the pad on the layer, from the area"],
   ["loading_radius_on_layer_mm", "Expected", "R_g", EXPECTED],
 ];
 
@@ -54,14 +46,6 @@ const verdictOf = ({ verdicts }, key) => key in verdicts && verdictChip(verdicts
 const ALT = "[ and ] change it; Alt switches between adding and removing.";
 const TRY = "Try another threshold, polarity, seed point or the brush; otherwise reject the image.";
 const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
-
-const RESETS = [
-  ["threshold", "Reset threshold"],
-  ["seed_px", "Reset seed point"],
-  ["region_of_interest_px", "Reset region of interest"],
-  ["ellipse_px", "Reset ellipse"],
-  ["strokes", "Reset drawing"],
-];
 
 export class ContactInspector extends Inspector {
   tools = {
@@ -132,10 +116,7 @@ export class ContactInspector extends Inspector {
   #setSurface(surface) {
     const { sequence, entry } = this.view;
     const [kind, key] = sequence ? ["sequence", sequence.name] : ["observation", entry.item];
-    workspace
-      .edit({ kind: /** @type {Edit["kind"]} */ (kind), key, set: { surface } })
-      .then(() => this.view.remeasure())
-      .catch(showError);
+    this.edit(/** @type {Edit} */ ({ kind, key, set: { surface } }));
   }
 
   head() {
@@ -177,7 +158,7 @@ export class ContactInspector extends Inspector {
     if (!answer) {
       render(this.parts.numbers, [
         h("h3", "Result"),
-        h("p.note.bad", { role: "alert" }, problem),
+        alarm(problem),
         !this.view.lacking?.length && !this.view.unreached && h("p.soft", TRY),
       ]);
       this.settings(null);
@@ -238,9 +219,8 @@ export class ContactInspector extends Inspector {
     const { change } = this.view.corrections;
     const used = answer?.settings;
     const smooth = this.isSmooth();
-    update(this.parts.settings, [
-      h("h3", "Settings"),
-      h("div.fields", [
+    this.drawSettings(
+      [
         choiceField("Polarity", {
           value: String(change.dark_on_light ?? ""),
           options: [
@@ -264,21 +244,71 @@ export class ContactInspector extends Inspector {
             placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
             onset: (value) => this.view.set("threshold", value),
           }),
-      ]),
+      ],
       this.view.sequence &&
         answer &&
         check("Key frame: carry this ellipse to the frames up to the next one (k)", {
           checked: Boolean(change.key_frame),
           onset: (on) => this.view.setKeyFrame(on),
         }),
-      this.resetButtons(RESETS),
+      this.resetButtons("threshold", "seed_px", "region_of_interest_px", "ellipse_px", "strokes"),
       this.view.source === "images" &&
         SHARED.some((key) => change[key] !== undefined && change[key] !== null) &&
-        button("Apply to similar images …", () => this.view.applyToSimilar(), { kind: "small" }),
+        small("Apply to similar images …", () => this.view.applyToSimilar()),
       !this.view.blind && check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
-    ]);
+    );
   }
 }
 
 /** @param {ContactMeasurement["model"]} model */
 const layered = (model) => typeof model?.effective_thickness_mm.value === "number";
+
+/** @type {["semi_major_mm" | "semi_minor_mm" | "gross_area_mm2" | "ridge_area_mm2", string][]} */
+const AGREEMENT = [
+  ["gross_area_mm2", "Gross area"],
+  ["ridge_area_mm2", "Ridge area"],
+  ["semi_major_mm", "Semi-major"],
+  ["semi_minor_mm", "Semi-minor"],
+];
+
+/** How the second operator agrees with the first. @param {Answers["SecondOperator"]} state */
+function agreementOf({ first_operators: first, agreement, unseen }) {
+  return [
+    h("h3", "Second operator"),
+    first.includes(who()) &&
+      alarm(
+        `The first operator is ${first.join(", ")}. Another person has to do this: enter their name above.`,
+      ),
+    h("p.soft", [
+      "Images in random order: stop after as many as you like.",
+      unseen > 0 && ` ${unseen} more wait for the first operator.`,
+    ]),
+    // Closed: who knows the bias may correct for it.
+    agreement.map((one) =>
+      h("details", { "data-live": "agreement" }, [
+        h("summary", `Agreement by the last run${one.synthetic ? ", synthetic images" : ""}`),
+        h("p.number", `n = ${one.count}, IoU ${one.iou_mean.toFixed(3)} (least ${one.iou_least.toFixed(3)})`),
+        tableOf(
+          "table.agreement",
+          ["", "Bias", "Limits of agreement"],
+          AGREEMENT.map(([key, words]) => {
+            const found = one[key];
+            return (
+              found &&
+              h("tr", [
+                h("th", { scope: "row" }, words),
+                h("td.number", signedPercent(found.bias)),
+                h("td.number", [
+                  found.limits[0] === null
+                    ? "from 3 images on"
+                    : found.limits.map(signedPercent).join(" to "),
+                ]),
+              ])
+            );
+          }),
+        ),
+      ]),
+    ),
+    !agreement.length && h("p.soft", "Run the study to see how far both agree."),
+  ];
+}

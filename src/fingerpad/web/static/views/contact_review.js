@@ -24,8 +24,6 @@ export class ContactReview extends Review {
 
   /** @type {Answers["SecondOperator"] | null} */
   agreement = null;
-  /** @type {"first" | "second"} */
-  operator = "first";
 
   nothingToAccept = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
   /** Whether the person works without seeing any outline but their own. */

@@ -2,7 +2,7 @@
 
 import { get, LatestRequest, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { showError, toast } from "../core/messages.js";
+import { goTo, showError, toast } from "../core/messages.js";
 import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { SequenceTraces } from "../editor/sequence_traces.js";
@@ -10,12 +10,11 @@ import { figureButton } from "../parts/figure_settings.js";
 import { choose } from "../parts/forms.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { whichScale } from "../parts/scale_ways.js";
-import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactReview } from "./contact_review.js";
-import { renderNone } from "./review_layout.js";
+import { describeContact, FILTERS, renderNone } from "./review_layout.js";
 
-/** @type {import("./review.js").Tool[]} */
+/** @type {Tool[]} */
 const TOOLS = [
   ["ellipse", "Drag the ellipse", "v"],
   ["add", "Brush: add to the region", "b", "Brush: add (Alt: remove)"],
@@ -32,7 +31,7 @@ const NONE =
 
 const isKnown = (value) => value !== null && value !== undefined;
 
-class Contacts extends ContactReview {
+export class Contacts extends ContactReview {
   /** @type {((Observation | Frame) & { finger?: string | null })[]} */
   all = [];
   /** @type {((Observation | Frame) & { finger?: string | null })[]} */
@@ -42,13 +41,13 @@ class Contacts extends ContactReview {
 
   last = [
     "This was the last image. Run the study to see the results.",
-    { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
+    { kind: "good", action: goTo("Run", "run") },
   ];
 
   constructor(root, rest) {
     super();
     this.root = root;
-    this.filter = "";
+    this.filter = "all";
     this.finger = "";
     this.source = this.#sources().some(([key]) => key === rest[0]) ? rest[0] : this.#sources()[0]?.[0];
     this.wanted = rest[1];
@@ -88,7 +87,7 @@ class Contacts extends ContactReview {
       onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`),
     });
     const onset = (key) => this.#filter(key);
-    this.filterChoice = choose({ value: this.filter, label: "Show", options: FILTERS, onset });
+    this.filterChoice = choose({ value: this.filter, label: "Show", options: Object.keys(FILTERS), onset });
     this.fingers = h("label", { hidden: true });
     this.scrubbed = new LatestRequest(
       (frame) => this.#show(frame),
@@ -108,7 +107,7 @@ class Contacts extends ContactReview {
       tools: TOOLS,
       radius: 14,
       measureDragged: (change) => post("/measure/contact", { item: this.entry.item, change }),
-      describe: (entry) => describe(entry, { named: !this.fingers.hidden }),
+      describe: (entry) => describeContact(entry, { named: !this.fingers.hidden }),
       inspector: new ContactInspector(this),
       keys: [
         ["k", "Key frame of a sequence", () => this.setKeyFrame(!this.corrections?.change.key_frame)],
@@ -181,8 +180,8 @@ class Contacts extends ContactReview {
   async #show(frame) {
     const index = this.entries.findIndex(({ item }) => item === frame.item);
     if (index >= 0) return this.choose(index);
-    this.filterChoice.value = "";
-    return this.#filter("", frame.item);
+    this.filterChoice.value = "all";
+    return this.#filter("all", frame.item);
   }
 
   /** Offer the fingers that contact images are of. */
@@ -202,10 +201,7 @@ class Contacts extends ContactReview {
     const set = { start_s: Number(start.toFixed(4)), contact_load_N: null };
     try {
       await workspace.edit({ kind: "sequence", key: this.sequence.name, set });
-      toast("The alignment is saved. Run the study to use it.", {
-        kind: "good",
-        action: { words: "Run", do: () => (location.hash = "#/run") },
-      });
+      toast("The alignment is saved. Run the study to use it.", { kind: "good", action: goTo("Run", "run") });
     } catch (error) {
       showError(error);
     }
@@ -215,7 +211,7 @@ class Contacts extends ContactReview {
     const item = wanted ?? this.entries[this.at]?.item;
     this.filter = key;
     this.entries = this.all.filter(
-      (entry) => FILTER_TESTS[key](entry) && (!this.finger || entry.finger === this.finger),
+      (entry) => FILTERS[key](entry) && (!this.finger || entry.finger === this.finger),
     );
     this.strip.set(this.entries);
     if (!this.entries.length) {
@@ -253,7 +249,7 @@ class Contacts extends ContactReview {
 
   clearOverlay() {
     this.overlay.clear();
-    const all = this.filter || this.finger ? ` shown, ${this.all.length} in all` : "";
+    const all = this.filter !== "all" || this.finger ? ` shown, ${this.all.length} in all` : "";
     this.count.textContent = `${this.at + 1} of ${this.entries.length}${all}`;
   }
 
@@ -349,5 +345,3 @@ class Contacts extends ContactReview {
     super.close();
   }
 }
-
-export const open = (root, rest) => new Contacts(root, rest);

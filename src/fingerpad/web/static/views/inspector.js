@@ -1,10 +1,11 @@
 // The panel beside an image: results, accept and reject, and the history of corrections.
 
-import { describeChange } from "../core/corrections.js";
-import { h, render, update } from "../core/dom.js";
+import { describeChange, NO_REASON, WORDS } from "../core/corrections.js";
+import { button, h, render, small, update } from "../core/dom.js";
+import { showError } from "../core/messages.js";
 import { ago } from "../core/quantity.js";
-import { adviseCode } from "../core/workspace.js";
-import { button, chip, list, slider, text } from "../parts/forms.js";
+import { adviseCode, workspace } from "../core/workspace.js";
+import { alarm, chip, list, slider, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
 
 /** The flags of a measurement in words. @param {string[]} flags */
@@ -17,12 +18,9 @@ export class Inspector {
 
   constructor(view, parts, reasons) {
     this.view = view;
-    this.parts = Object.fromEntries(
-      ["head", "missing", "tool", ...parts, "settings", "history"].map((name) => [
-        name,
-        h("section", { "data-part": name }),
-      ]),
-    );
+    const section = (name) => [name, h("section", { "data-part": name })];
+    const names = ["head", "missing", "tool", ...parts, "settings", "history"];
+    this.parts = Object.fromEntries(names.map(section));
     this.parts.tool.hidden = true;
     this.parts.look = h("section", { "data-part": "look" }, this.#look());
     this.why = text({ value: "", placeholder: "reason", list: "reasons" });
@@ -49,7 +47,7 @@ export class Inspector {
     const sliders = ["Brightness", "Contrast"].map((words, place) =>
       slider(words, { value: 100, min: 20, max: 400, unit: "%", onset: (value) => set(place, value) }),
     );
-    const reset = button("Reset", () => look.forEach((_, place) => void set(place, 100)), { kind: "small" });
+    const reset = small("Reset", () => look.forEach((_, place) => void set(place, 100)));
     return h("details", [
       h("summary", "Brightness and contrast, for looking only"),
       h("div.stack-small", [sliders, reset]),
@@ -59,17 +57,16 @@ export class Inspector {
   #reviewButtons() {
     this.buttons = {
       accept: button("Accept and next", () => this.view.accept(), { kind: "primary", key: "Enter" }),
-      undo: button("Undo", () => this.view.undo(), { key: "u" }),
-      redo: button("Redo", () => this.view.redo(), { key: "r" }),
+      undo: button("Undo", () => void this.view.undo(), { key: "u" }),
+      redo: button("Redo", () => void this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Reset to automatic", () => this.view.revert(), {
-        kind: "small",
+      revert: small("Reset to automatic", () => this.view.revert(), {
         title: "Remove all corrections of this image; the history keeps them",
       }),
     };
-    const { accept, undo, redo, reject } = this.buttons;
+    const { revert, ...below } = this.buttons;
     return [
-      h("div.review-buttons", [accept, undo, redo, reject]),
+      h("div.review-buttons", Object.values(below)),
       h("label.why", [h("span", "Reason to reject"), this.why]),
     ];
   }
@@ -81,7 +78,7 @@ export class Inspector {
   }
 
   reason() {
-    return this.why.value.trim() || "no reason given";
+    return this.why.value.trim() || NO_REASON;
   }
 
   /** Show the options of the tool: the radius of a brush, or an explanation. */
@@ -102,19 +99,28 @@ export class Inspector {
     render(this.parts.tool, brush ? this.radius : words);
   }
 
+  /** Draw what is set of this image: fields, and what stands below them. */
+  drawSettings(fields, ...more) {
+    const { item } = this.view.corrections;
+    update(this.parts.settings, [h("h3", "Settings"), h("div.fields", fields), more], item);
+  }
+
   /** Buttons that reset one part of a correction each. */
-  resetButtons(parts) {
+  resetButtons(...keys) {
     const { change } = this.view.corrections;
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
+    const reset = (key) => (key === "ellipse_px" ? this.view.resetEllipse() : this.view.set(key, null));
     return h("div.actions", [
-      parts.map(
-        ([key, words]) =>
-          made(change[key]) &&
-          button(words, () => (key === "ellipse_px" ? this.view.resetEllipse() : this.view.set(key, null)), {
-            kind: "small",
-          }),
-      ),
+      keys.filter((key) => made(change[key])).map((key) => small(`Reset ${WORDS[key]}`, () => reset(key))),
     ]);
+  }
+
+  /** Change a table of the study, and measure the image again. @param {Edit} edit */
+  edit(edit) {
+    workspace
+      .edit(edit)
+      .then(() => this.view.remeasure())
+      .catch(showError);
   }
 
   corrected() {
@@ -131,11 +137,7 @@ export class Inspector {
     render(this.parts.history, [
       h("div.headline", [h("h3", "History"), this.buttons.revert]),
       document.on_another_image &&
-        h(
-          "p.note.bad",
-          { role: "alert" },
-          "The image file has changed since this correction. Check it, then accept or reset it.",
-        ),
+        alarm("The image file has changed since this correction. Check it, then accept or reset it."),
       h("div.chips", [
         change.accepted && chip("accepted", "good"),
         change.rejected && chip(`rejected: ${change.rejected}`, "bad"),
@@ -145,11 +147,9 @@ export class Inspector {
             records.map((record) =>
               h("li", [
                 h("span", describeChange(record)),
-                h(
-                  "time",
-                  { datetime: record.when, title: record.when },
+                h("time", { datetime: record.when, title: record.when }, [
                   `${record.who || "unknown"}, ${ago(record.when)}`,
-                ),
+                ]),
               ]),
             ),
           ])

@@ -1,27 +1,19 @@
 // New files: what each of them is, entered one by one or for all.
 
 import { get, post, remove } from "../core/api.js";
-import { h, render, update } from "../core/dom.js";
+import { button, h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
-import { bytes } from "../core/quantity.js";
+import { bytes, counted } from "../core/quantity.js";
 import { rules, workspace } from "../core/workspace.js";
-import { button, check, faultList, thumbnail, withoutOverlap } from "../parts/forms.js";
+import { check, faultList, thumbnail } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_ways.js";
 import { scrolled, tableOf } from "../parts/tables.js";
-import { allRow, base, COIN, fileRow, guessesOf, plural, takeGuess, takes } from "./new_files_row.js";
+import { allRow, base, COIN, fileRow, guessesOf, takeGuess, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
-const COLUMNS = [
-  ["", ""],
-  ["File", ""],
-  ["Type", ""],
-  ["Finger", "finger"],
-  ["Face", "face"],
-  ["Wedge, °", "wedge_angle_deg"],
-  ["Load, N", ""],
-  ["Scale", "scale"],
-  ["", ""],
-];
+const COLUMNS = ["", "File", "Type", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""];
+/** Columns whose values are often those of the file above. */
+const FILLED = { Finger: "finger", Face: "face", "Wedge, °": "wedge_angle_deg", Scale: "scale" };
 const LOOKED =
   "What each file is was read from its content and name. Correct it where needed, and enter what is empty.";
 
@@ -99,10 +91,10 @@ export class NewFiles {
     if (!files.length) return;
     this.#useCoin();
     const shown = files.slice(0, 60);
-    this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
+    this.status.textContent = this.toLookAt ? `Looking at ${counted(this.toLookAt, "file")} …` : LOOKED;
     update(this.root, [
       h("header", [
-        h("h2", `${files.length} new file${files.length > 1 ? "s" : ""}`),
+        h("h2", counted(files.length, "new file")),
         this.status,
         h("div.actions", [button("Add to study", () => this.#use(), { kind: "primary" })]),
       ]),
@@ -113,12 +105,12 @@ export class NewFiles {
         "New files",
         tableOf(
           "table",
-          COLUMNS.map(([words, key]) =>
+          COLUMNS.map((words) =>
             h("th", { scope: "col" }, [
               words,
-              key &&
+              words in FILLED &&
                 files.length > 1 &&
-                button("↓", () => this.#fillDown(key), {
+                button("↓", () => this.#fillDown(FILLED[words]), {
                   kind: "icon",
                   label: `Fill down: ${words}`,
                   title: "Fill empty fields from the one above",
@@ -231,7 +223,7 @@ export class NewFiles {
   #drawRest(files) {
     this.rest.hidden = !files.length;
     render(this.rest, [
-      h("summary", `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`),
+      h("summary", `${counted(files.length, "more file")} in the study folder, not used`),
       h("ul.rest", [
         files
           .slice(0, 200)
@@ -321,7 +313,7 @@ export class NewFiles {
     return true;
   }
 
-  #use = withoutOverlap(async () => {
+  async #use() {
     await Promise.all([this.looking, this.reading]);
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
@@ -333,9 +325,9 @@ export class NewFiles {
     render(this.problem);
     if (waiting.length) {
       const words = edits.length
-        ? `${plural(waiting.length)} not added yet: enter the finger.`
+        ? `${counted(waiting.length, "file")} not added yet: enter the finger.`
         : "Enter the finger of the files.";
-      render(this.problem, h("div.faults", { role: "alert" }, h("p", words)));
+      render(this.problem, faultList({ message: words }));
     }
     if (!edits.length) {
       if (waiting.length) this.root.querySelector(`input[aria-label^="Finger o"]`)?.focus();
@@ -351,9 +343,9 @@ export class NewFiles {
     const { missing } = workspace.study;
     const left =
       missing.length && `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
-    return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
+    return toast(left ? `${counted(added, "file")} added. ${left}` : `${counted(added, "file")} added.`, {
       kind: "good",
       ...(left && { action: { words: "Show", do: this.showMissing } }),
     });
-  });
+  }
 }

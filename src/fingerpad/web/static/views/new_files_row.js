@@ -1,14 +1,13 @@
 // A row of the table of new files: what a file is, whose finger, and what else it needs.
 
 import { get } from "../core/api.js";
-import { h, on } from "../core/dom.js";
+import { button, h, on } from "../core/dom.js";
 import { bytes } from "../core/quantity.js";
 import { rules } from "../core/workspace.js";
-import { button, chip, choose, namePattern, number, text, thumbnail } from "../parts/forms.js";
+import { chip, choose, namePattern, number, text, thumbnail } from "../parts/forms.js";
 import { coinOptions, scaleNames } from "../parts/scale_ways.js";
 
 export const base = (file) => file.split("/").at(-1);
-export const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 /**
  * A row of the table of new files.

@@ -1,11 +1,12 @@
 // New files: a spreadsheet or a pattern that states their values.
 
-import { post } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { LatestRequest, post } from "../core/api.js";
+import { button, h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
-import { button, chip, text } from "../parts/forms.js";
+import { counted } from "../core/quantity.js";
+import { chip, faultList, text } from "../parts/forms.js";
 import { scrolled, tableOf } from "../parts/tables.js";
-import { base, plural } from "./new_files_row.js";
+import { base } from "./new_files_row.js";
 
 /** What columns mean, where the page has other words than the library. */
 const MEANINGS = { role: "type", wedge: "wedge angle" };
@@ -59,11 +60,21 @@ export class NewFileTools {
       label: "Pattern of the names",
       placeholder: "S{person}_{finger}_{wedge}deg_{load}N",
     });
-    field.addEventListener("input", () => this.#match(field.value));
+    const names = new LatestRequest(
+      (pattern) => post("/files/pattern", { pattern, files: this.files() }),
+      (files) => this.#show(files),
+      (error) => (error.status === 422 ? render(this.preview, h("p.soft", error.message)) : showError(error)),
+    );
+    field.addEventListener("input", () => {
+      this.matches = [];
+      names.cancel();
+      if (field.value.includes("{")) names.request(field.value);
+      else render(this.preview);
+    });
     const use = button("Fill in", () => {
       const fit = this.matches.filter(({ problem }) => !problem);
       this.take(fit);
-      toast(`${plural(fit.length)} filled in by the pattern.`, { kind: "good" });
+      toast(`${counted(fit.length, "file")} filled in by the pattern.`, { kind: "good" });
     });
     return h("details", [
       h("summary", "Fill in from the file names"),
@@ -89,6 +100,14 @@ export class NewFileTools {
         .map(({ file, problem }) => `${base(file)}: ${problem}`);
       this.take(found.files);
       const unknown = found.columns.filter(({ header, meaning }) => header && meaning === null);
+      const unfound = found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`);
+      /** @type {[words: string, names: string[]][]} */
+      const notes = [
+        ["Not used", unknown.map(({ header }) => header)],
+        ["Files without a row", found.files_without_row.map(base)],
+        ["Rows without one file", unfound],
+        ["Not read", problems],
+      ];
       render(this.report, [
         h("div.note", [
           h("strong", `${found.files.length} of ${files.length} files found in the spreadsheet. `),
@@ -101,57 +120,39 @@ export class NewFileTools {
             )
             .join("; "),
           ".",
-          unknown.length > 0 && h("p", `Not used: ${some(unknown.map(({ header }) => header))}.`),
-          found.files_without_row.length > 0 &&
-            h("p", `Files without a row: ${some(found.files_without_row.map(base))}.`),
-          found.rows_without_file.length > 0 &&
-            h("p", [
-              "Rows without one file: ",
-              some(found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`)),
-              ".",
-            ]),
-          problems.length > 0 && h("p", `Not read: ${some(problems)}.`),
+          notes.map(([words, names]) => names.length > 0 && h("p", `${words}: ${some(names)}.`)),
         ]),
       ]);
     } catch (error) {
-      render(this.report, h("div.faults", { role: "alert" }, h("p", error.message)));
+      render(this.report, faultList(error));
     }
   }
 
-  /** Preview a pattern; an answer to an earlier pattern is dropped. */
-  async #match(pattern) {
-    const wanted = (this.wanted = pattern);
-    this.matches = [];
-    if (!pattern.includes("{")) return render(this.preview);
-    try {
-      const files = await post("/files/pattern", { pattern, files: this.files() });
-      if (wanted !== this.wanted) return undefined;
-      this.matches = files;
-      const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));
-      const fit = files.filter(({ problem }) => !problem).length;
-      return render(this.preview, [
-        h("p.soft", `${fit} of ${files.length} names fit.`),
-        scrolled(
-          "What the pattern gives",
-          tableOf(
-            "table.tight",
-            ["File", ...keys.map(([, words]) => words), ""],
-            [...files]
-              .sort((one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem)))
-              .slice(0, 40)
-              .map(({ file, values, problem }) =>
-                h("tr", [
-                  h("td", base(file)),
-                  keys.map(([key]) => h("td", values[key] ?? "")),
-                  h("td", problem && chip(problem, "warn")),
-                ]),
-              ),
-          ),
+  /** Show what the pattern gives. @param {Answers["StatedFile"][]} files */
+  #show(files) {
+    this.matches = files;
+    const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));
+    const fit = files.filter(({ problem }) => !problem).length;
+    const byProblem = (one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem));
+    render(this.preview, [
+      h("p.soft", `${fit} of ${files.length} names fit.`),
+      scrolled(
+        "What the pattern gives",
+        tableOf(
+          "table.tight",
+          ["File", ...keys.map(([, words]) => words), ""],
+          [...files]
+            .sort(byProblem)
+            .slice(0, 40)
+            .map(({ file, values, problem }) =>
+              h("tr", [
+                h("td", base(file)),
+                keys.map(([key]) => h("td", values[key] ?? "")),
+                h("td", problem && chip(problem, "warn")),
+              ]),
+            ),
         ),
-      ]);
-    } catch (error) {
-      if (wanted !== this.wanted) return undefined;
-      return error.status === 422 ? render(this.preview, h("p.soft", error.message)) : showError(error);
-    }
+      ),
+    ]);
   }
 }

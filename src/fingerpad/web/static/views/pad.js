@@ -1,17 +1,16 @@
 // The pad on its wedge: point of contact and curvature.
 
 import { LatestRequest, post } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { h, render, small } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
 import { quantityRow, quantityRows } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, choiceField, empty, field, number, numberField, synthetic } from "../parts/forms.js";
-import { AXES } from "../parts/missing_fields.js";
-import { staleChip } from "../parts/notes.js";
-import { PadScene } from "../parts/pad_scene.js";
+import { alarm, choiceField, empty, field, head, number, numberField, synthetic } from "../parts/forms.js";
+import { AXES, staleChip } from "../parts/missing_fields.js";
+import { PadScene, VIEWS } from "../parts/pad_scene.js";
 
-/** @type {import("../core/quantity.js").Shown[]} */
+/** @type {Shown[]} */
 const RADII = [
   ["in_plane_radius_mm", "Radius along the finger"],
   ["transverse_radius_mm", "Radius across the finger"],
@@ -19,7 +18,7 @@ const RADII = [
   ["geometric_mean_radius_mm", "", "R_e"],
 ];
 
-class PadView {
+export class PadView {
   constructor(root, rest) {
     const known = this.#fingers();
     this.finger = (known.find(({ name }) => name === rest[0]) ?? known[0])?.name ?? "";
@@ -35,7 +34,7 @@ class PadView {
     this.live = new LatestRequest(
       (asked) => post("/geometry", asked),
       (answer) => this.#show(answer),
-      (error) => render(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
+      (error) => render(this.numbers, alarm(error.message)),
       this.numbers,
     );
     this.side = h("div.stack");
@@ -47,10 +46,7 @@ class PadView {
     );
     this.caption = h("div.pad-caption");
     render(root, [
-      h("header.head", [
-        h("div", [h("h1", "Pad"), h("p", "The ellipsoidal pad on its wedge under the platen.")]),
-        h("div.actions", [...this.#views()]),
-      ]),
+      head("Pad", "The ellipsoidal pad on its wedge under the platen.", this.#views()),
       h("div.panes.no-tools.pad-panes", [
         h("div.pad-main", [this.nothing, this.scene.root, this.caption]),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
@@ -59,8 +55,8 @@ class PadView {
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
       ["W", "Wedge angle down", () => this.#nudge("wedge", -1)],
-      ["f", "View from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
-      ["t", "View along the platen normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
+      ["f", "View from the side", () => this.scene.look("Side")],
+      ["t", "View along the platen normal", () => this.scene.look("Through platen")],
       ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Rotate the pad (when focused)", null],
       ["0", "Reset the view (when focused)", null],
     ]);
@@ -76,13 +72,7 @@ class PadView {
   }
 
   #views() {
-    const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
-    return [
-      look("Oblique", { turn: -0.62, tilt: 0.42 }),
-      look("Side", { turn: 0, tilt: 0 }),
-      look("Tip", { turn: Math.PI / 2, tilt: 0 }),
-      look("Through platen", { turn: -Math.PI / 2, tilt: 1.5 }),
-    ];
+    return Object.keys(VIEWS).map((words) => small(words, () => this.scene.look(words)));
   }
 
   #draw() {
@@ -212,5 +202,3 @@ class PadView {
     this.scene.close();
   }
 }
-
-export const open = (root, rest) => new PadView(root, rest);

@@ -1,11 +1,10 @@
 // Results of one face, and of all faces of the finger combined.
 
-import { h, render, s, update } from "../core/dom.js";
+import { h, render, s } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { showError } from "../core/messages.js";
 import { quantityRow, signedPercent } from "../core/quantity.js";
-import { PHOTOGRAPH_FLAGS, rules, workspace } from "../core/workspace.js";
-import { chip, choiceField, field, synthetic } from "../parts/forms.js";
+import { PHOTOGRAPH_FLAGS, rules } from "../core/workspace.js";
+import { alarm, chip, choiceField, field, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
 import { scaleChoice, whichScale } from "../parts/scale_ways.js";
 import { flagNote, Inspector } from "./inspector.js";
@@ -14,12 +13,6 @@ const NAMES = Object.fromEntries(AXES);
 const SIDES = [["", "as in the study"], "up", "down", "left", "right"];
 
 const REASONS = ["blurred", "wrong finger", "not parallel to the image plane"];
-const RESETS = [
-  ["ellipse_px", "Reset ellipse"],
-  ["added_points_px", "Reset added points"],
-  ["erased", "Reset erased points"],
-  ["region_of_interest_px", "Reset region of interest"],
-];
 
 export class PhotographInspector extends Inspector {
   tools = {
@@ -31,9 +24,7 @@ export class PhotographInspector extends Inspector {
     },
     erase: { brush: "Eraser radius", hint: "[ and ] change it." },
     box: { words: h("p.soft", "Draw a box around the fingertip.") },
-    length: {
-      words: [h("h3", "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
-    },
+    length: { words: [h("h3", "Length"), h("p.soft", { "data-live": "length" })] },
   };
 
   constructor(view) {
@@ -59,7 +50,7 @@ export class PhotographInspector extends Inspector {
   show(answer, problem) {
     if (!answer) {
       render(this.parts.face, [
-        h("p.note.bad", { role: "alert" }, problem),
+        alarm(problem),
         !this.view.lacking?.length &&
           h("p.soft", "Draw a region of interest round the fingertip, or add points on its outline."),
       ]);
@@ -126,11 +117,7 @@ export class PhotographInspector extends Inspector {
 
   /** Change the photograph's table of the study. */
   #state(key, value) {
-    const { item } = this.view.entry;
-    workspace
-      .edit({ kind: "photograph", key: item, set: { [key]: value } })
-      .then(() => this.view.remeasure())
-      .catch(showError);
+    this.edit({ kind: "photograph", key: this.view.entry.item, set: { [key]: value } });
   }
 
   settings() {
@@ -142,9 +129,8 @@ export class PhotographInspector extends Inspector {
         options: SIDES,
         onset: (value) => this.view.set(key, value || null),
       });
-    update(this.parts.settings, [
-      h("h3", "Settings"),
-      h("div.fields", [
+    this.drawSettings(
+      [
         face &&
           choiceField("Face", {
             value: face,
@@ -162,20 +148,19 @@ export class PhotographInspector extends Inspector {
           ),
         side("tip", "Fingertip points"),
         ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
-      ]),
-      this.resetButtons(RESETS),
-    ]);
+      ],
+      this.resetButtons("ellipse_px", "added_points_px", "erased", "region_of_interest_px"),
+    );
   }
 
-  /** @param {Answers["LengthMeasurement"]} answer */
+  /** @param {Answers["LengthMeasurement"] | null} answer of a line, if there is one */
   length(answer) {
-    const line = this.parts.tool.querySelector("[data-live=length]");
-    if (line)
-      render(line, [
-        h("span.figure-big.number", answer.length_mm.words),
-        h("br"),
-        "uncertainty of each end: 1 px",
-      ]);
+    const [, place] = this.tools.length.words;
+    const found = answer && h("span.figure-big.number", answer.length_mm.words);
+    render(
+      place,
+      found ? [found, h("br"), "uncertainty of each end: 1 px"] : ["Draw a line on the picture."],
+    );
   }
 }
 

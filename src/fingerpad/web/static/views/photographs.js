@@ -2,6 +2,7 @@
 
 import { LatestRequest, post } from "../core/api.js";
 import { dotsOf, render, s } from "../core/dom.js";
+import { goTo } from "../core/messages.js";
 import { Click } from "../editor/drawing.js";
 import { handle } from "../editor/handle.js";
 import { Line } from "../editor/shapes.js";
@@ -10,7 +11,7 @@ import { faceWords, PhotographInspector } from "./photograph_inspector.js";
 import { Review } from "./review.js";
 import { renderNone, reviewMarks } from "./review_layout.js";
 
-/** @type {import("./review.js").Tool[]} */
+/** @type {Tool[]} */
 const TOOLS = [
   ["ellipse", "Drag axes and rotation", "v"],
   ["points", "Add points on the outline", "b"],
@@ -23,15 +24,12 @@ const NONE =
   "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain background " +
   "next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.";
 
-class Photographs extends Review {
+export class Photographs extends Review {
   /** @type {Photograph[]} */
   entries = [];
 
   nothingToAccept = "No outline was found. Draw a region of interest, add points, or drag the axes.";
-  last = [
-    "This was the last photograph.",
-    { kind: "good", action: { words: "Go to contacts", do: () => (location.hash = "#/contacts") } },
-  ];
+  last = ["This was the last photograph.", { kind: "good", action: goTo("Go to contacts", "contacts") }];
   added = [];
 
   constructor(root, rest) {
@@ -89,6 +87,8 @@ class Photographs extends Review {
   clearOverlay() {
     this.lengths.cancel();
     this.line.set(null);
+    this.line.write("");
+    this.inspector.length(null);
     this.#points(null);
   }
 
@@ -235,5 +235,3 @@ function describe(entry) {
     marks,
   };
 }
-
-export const open = (root, rest) => new Photographs(root, rest);

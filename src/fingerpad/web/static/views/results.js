@@ -3,8 +3,8 @@
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
-import { empty, segments } from "../parts/forms.js";
-import { doubtNotes } from "../parts/notes.js";
+import { empty, head, segments } from "../parts/forms.js";
+import { doubtNotes } from "../parts/missing_fields.js";
 import { showAudit, showBudget, showFigures, showSimulator } from "./results_parts.js";
 import { Plots } from "./results_plots.js";
 import { Table } from "./results_table.js";
@@ -25,7 +25,7 @@ const PARTS = [
 
 const RUN = ["#/run/start", "Run the study"];
 
-class Results {
+export class Results {
   /** @type {Part | null} */
   part = null;
 
@@ -38,14 +38,7 @@ class Results {
       "plot",
       (key) => (location.hash = `#/results/${key}`),
     );
-    render(root, [
-      h("header.head", [
-        h("div", [h("h1", "Results"), h("p", "Values ± standard uncertainty.")]),
-        h("div.actions", this.tabs),
-      ]),
-      this.banner,
-      this.body,
-    ]);
+    render(root, [head("Results", "Values ± standard uncertainty.", this.tabs), this.banner, this.body]);
     bindHere([
       ...PARTS.map(([name, , key, words]) => [key, words, () => (location.hash = `#/results/${name}`)]),
       ["/", "Search the table", () => this.part?.search?.()],
@@ -158,5 +151,3 @@ function exactNote(exact) {
     h("p", [`${exact.join(", ")}. `, where]),
   ]);
 }
-
-export const open = (root, rest) => new Results(root, rest);

@@ -62,10 +62,9 @@ export async function showBudget(root) {
       ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's " +
         "total index, which includes interactions.",
     ]),
-    h(
-      "div.plot-grid",
+    h("div.plot-grid", [
       groups.map((group) => groupCard(group, figureOf(figures, group, "budget"), budgetOf(group))),
-    ),
+    ]),
   ]);
 }
 
@@ -112,20 +111,13 @@ export async function showSimulator(root) {
   const [groups, figures] = await Promise.all([get("/results/budget"), get("/results/figures")]);
   const asked = { lowest_load_N: 0.2, highest_load_N: 3, thickness_mm: null, mass_kg: 0.1 };
   const cards = h("div.plot-grid");
-  const draw = () =>
-    render(
-      cards,
-      groups.map((group) => simulatorCard(group, figures, asked)),
-    );
+  const draw = () => render(cards, [groups.map((group) => simulatorCard(group, figures, asked))]);
   const field = (words, key, unit, placeholder = "") =>
     numberField(words, {
       value: asked[key],
       above: 0,
       placeholder,
-      onset: (value) => {
-        asked[key] = value;
-        draw();
-      },
+      onset: (value) => ((asked[key] = value), draw()),
       unit,
     });
   render(root, [

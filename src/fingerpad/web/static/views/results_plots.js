@@ -5,7 +5,7 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
-import { choiceField, list } from "../parts/forms.js";
+import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupCard, verdictChip } from "../parts/results.js";
 
@@ -34,6 +34,7 @@ const ON_LAYER = {
 // As in the figures of the report.
 const FADED = 0.4;
 
+const WITH_MODEL = "standard uncertainty with what the model leaves uncertain";
 const BARS = [
   ["all", "all uncertainties"],
   ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
@@ -60,12 +61,8 @@ export class Plots {
     [this.groups, this.figures] = await Promise.all([get("/results/plot"), get("/results/figures")]);
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
-      render(this.root, [
-        h("p.lead", [
-          "There are no contacts in these results: a plot needs finger, angle, load and scale. ",
-          h("a", { href: "#/study" }, "See the Study page."),
-        ]),
-      ]);
+      const words = "There are no contacts in these results: a plot needs finger, angle, load and scale. ";
+      render(this.root, h("p.lead", [words, h("a", { href: "#/study" }, "See the Study page.")]));
       return;
     }
     this.grid = h("div.plot-grid");
@@ -101,10 +98,7 @@ export class Plots {
     this.drawn.clear();
     const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
     render(this.legend, this.#legend(groups));
-    render(
-      this.grid,
-      groups.map((group) => this.#card(group)),
-    );
+    render(this.grid, [groups.map((group) => this.#card(group))]);
     for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
   }
 
@@ -146,6 +140,12 @@ export class Plots {
     const why = this.#why(group);
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
+    const checks = group.checks.map(({ words }) => words);
+    const doubts = group.range_notes.map(
+      ({ words, to_do, rows }) =>
+        `${rows} of ${group.items.length} contacts and frames: ${words}. To do: ${to_do}.`,
+    );
+    const folded = (words, notes) => h("details.range", [h("summary", words), list(notes, "ul.note")]);
     const fact = (label, { value, words }) =>
       value !== null && h("div", [h("dt", label), h("dd.number", words)]);
     return groupCard(
@@ -156,43 +156,19 @@ export class Plots {
           group.radius_from_indentation_mm.value !== null &&
             h("div.main-fact", [
               h("dt", [symbol("R_g^corr"), ", pooled"]),
-              h(
-                "dd.number",
-                {
-                  title: group.radius_of_model
-                    ? "standard uncertainty with what the model leaves uncertain"
-                    : "",
-                },
-                [
-                  group.radius_from_indentation_mm.words,
-                  " ",
-                  verdictChip(group.radius_verdict, group.checks),
-                ],
-              ),
+              h("dd.number", { title: group.radius_of_model ? WITH_MODEL : "" }, [
+                group.radius_from_indentation_mm.words,
+                " ",
+                verdictChip(group.radius_verdict, group.checks),
+              ]),
             ]),
           fact(symbol("R_0g"), group.mean_curvature_radius_mm),
           fact(symbol("R_g"), group.loading_radius_mm),
         ]),
         poolingList(group.pooling),
         node,
-        h("details.range", [
-          h("summary", `Does the model hold? ${group.verdict}`),
-          list(
-            group.checks.map(({ words }) => words),
-            "ul.note",
-          ),
-        ]),
-        group.range_notes.length > 0 &&
-          h("details.range", [
-            h("summary", `Doubtful values (${group.range_notes.length})`),
-            list(
-              group.range_notes.map(
-                ({ words, to_do, rows }) =>
-                  `${rows} of ${group.items.length} contacts and frames: ${words}. To do: ${to_do}.`,
-              ),
-              "ul.note",
-            ),
-          ]),
+        folded(`Does the model hold? ${group.verdict}`, checks),
+        doubts.length > 0 && folded(`Doubtful values (${doubts.length})`, doubts),
       ],
       "section.card.plot-card",
     );
@@ -308,7 +284,7 @@ export class Plots {
         },
       });
     } catch (error) {
-      render(node, h("p.note.bad", error.message));
+      render(node, alarm(error.message));
     }
   }
 

@@ -1,38 +1,14 @@
 // The results as a table that can be filtered and sorted.
 
-import { contactAddress, download, get } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { contactAddress, download, get, LatestRequest } from "../core/api.js";
+import { button, h, render } from "../core/dom.js";
 import { symbol, symbolParts } from "../core/glossary.js";
+import { showError } from "../core/messages.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, check, chip, choiceField, field, synthetic } from "../parts/forms.js";
-import { tableOf } from "../parts/tables.js";
+import { check, chip, choiceField, field, synthetic } from "../parts/forms.js";
+import { pager, tableOf } from "../parts/tables.js";
 
 const LIMIT = 100;
-// Shown where a finger's thickness is stated.
-const ON_LAYER = [
-  "youngs_modulus_on_layer_kpa",
-  "indentation_on_layer_mm",
-  "loading_radius_on_layer_mm",
-  "layer_flag",
-];
-const SHOWN = [
-  "finger",
-  "wedge_angle_deg",
-  "load_N",
-  "status",
-  "radius_from_indentation_mm",
-  "semi_major_mm",
-  "semi_minor_mm",
-  "gross_area_mm2",
-  "ridge_area_mm2",
-  "indentation_mm",
-  "youngs_modulus_kpa",
-  ...ON_LAYER,
-  "radius_from_compliance_mm",
-  "mean_curvature_radius_mm",
-  "contact_radius_ratio",
-  "measured_by",
-];
 /** A label whose first word is a symbol, with its subscript. */
 function labelParts(label) {
   const [first] = /^[^ ,]+/.exec(label) ?? [""];
@@ -68,15 +44,8 @@ export class Table {
       .map((code) => [code, code.replaceAll("_", " ")]);
     const filter = (label, key, none, options) =>
       choiceField(label, { options: [["", none], ...options], onset: set(key) });
-    const find = () => set("text")(this.searchField.value);
-    this.searchField = h("input", {
-      type: "search",
-      placeholder: "name, reason …",
-      oninput: () => {
-        clearTimeout(this.timer);
-        this.timer = setTimeout(find, 250);
-      },
-    });
+    const oninput = () => set("text")(this.searchField.value);
+    this.searchField = h("input", { type: "search", placeholder: "name, reason …", oninput });
     this.count = h("span.soft.number", { role: "status" });
     this.table = h("div.table-wrap.results-table", { tabindex: 0, role: "region", "aria-label": "Rows" });
     this.pager = h("div.actions");
@@ -90,55 +59,41 @@ export class Table {
         filter("Wedge", "wedge_angle_deg", "all", angles),
         filter("Status", "status", "all", ["measured", "failed", "rejected"]),
         filter("Flag", "flag", "any", flags),
-        check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
+        check("All columns", { onset: (on) => ((this.all = on), this.#draw(this.answer)) }),
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ]),
       h("div.table-head", [this.count, h("div.actions", [this.more, this.pager])]),
       this.table,
     ]);
-    await this.#ask({});
+    this.rows = new LatestRequest(
+      (asked) => get("/results/rows", asked),
+      (answer) => this.#draw((this.answer = answer)),
+      showError,
+      this.table,
+    );
+    this.#draw((this.answer = await get("/results/rows", this.asked)));
   }
 
   search() {
     this.searchField?.focus();
   }
 
-  async #ask(change) {
-    Object.assign(this.asked, change);
-    const number = (this.number = (this.number ?? 0) + 1);
-    this.table.classList.add("waiting");
-    const answer = await get("/results/rows", this.asked);
-    if (number !== this.number) return;
-    this.answer = answer;
-    this.table.classList.remove("waiting");
-    this.#draw();
+  #ask(change) {
+    this.asked = { ...this.asked, ...change };
+    this.rows.request(this.asked);
   }
 
-  #draw() {
-    const { columns, rows, matching, total } = this.answer;
+  /** @param {Answers["Rows"]} answer */
+  #draw({ columns, usual, rows, matching, total }) {
     const { offset } = this.asked;
-    const known = new Map(columns.map((column) => [column.key, column]));
-    const layered = workspace.study.fingers.some(({ table }) => table.effective_thickness_mm !== undefined);
     const shown = this.all
       ? columns.filter(({ key }) => key !== "observation")
-      : SHOWN.filter((key) => layered || !ON_LAYER.includes(key))
-          .map((key) => known.get(key))
-          .filter(Boolean);
+      : usual.map((wanted) => columns.find(({ key }) => key === wanted));
     const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
-    const turn = (words, to, label) =>
-      button(words, () => this.#ask({ offset: to }), {
-        kind: "small",
-        disabled: to < 0 || to >= matching,
-        label,
-      });
-    render(this.pager, [
-      matching > LIMIT && [
-        turn("‹", offset - LIMIT, "Previous rows"),
-        turn("›", offset + LIMIT, "Next rows"),
-      ],
-    ]);
+    const turn = (page) => this.#ask({ offset: page * LIMIT });
+    render(this.pager, pager(offset / LIMIT, Math.ceil(matching / LIMIT), turn));
     if (!rows.length) {
       render(this.table, h("p.soft.no-rows", "No rows match the filters."));
       return;
@@ -218,7 +173,6 @@ export class Table {
   }
 
   close() {
-    clearTimeout(this.timer);
     this.size?.disconnect();
   }
 }

@@ -14,9 +14,6 @@ import { keysOf, panesOf } from "./review_layout.js";
 
 const VERDICTS = ["accepted", "rejected", "pooling"];
 
-/** A tool: its name and that of its icon, its words, its key, and what the list of keys says of it. */
-/** @typedef {[tool: string, words: string, shortcut: string, help?: string]} Tool */
-
 /**
  * Base class of the views of contact images and of photographs.
  *
@@ -130,7 +127,7 @@ export class Review {
     });
     this.#turned();
     this.measured = null;
-    this.stage.root.classList.remove("rejected"); // the image before may have been
+    this.stage.root.classList.remove("rejected", "comparing"); // the image before may have been
     this.inspector.root.hidden = this.inspector.footer.hidden = false;
     this.#clear();
     this.lacking = undefined;
@@ -358,6 +355,8 @@ export class Review {
 
   async accept() {
     if (!this.entry) return;
+    // What is still measured can be accepted once it is shown.
+    if (!this.measured && this.inspector.root.ariaBusy === "true") return;
     if (!this.measured) toast(this.unreached?.message ?? this.nothingToAccept, { kind: "error" });
     else if (
       this.corrections.change.accepted ||

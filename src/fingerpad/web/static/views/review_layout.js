@@ -1,9 +1,10 @@
-// What reviews of images show and hear: panes, keys, and marks of thumbnails.
+// What reviews of images show and hear: panes, keys, and the words and marks of thumbnails.
 
-import { h, render } from "../core/dom.js";
+import { h, render, small } from "../core/dom.js";
 import { ask } from "../core/messages.js";
-import { setWho, who } from "../core/workspace.js";
-import { button, empty, field, text } from "../parts/forms.js";
+import { short } from "../core/quantity.js";
+import { describeCode, setWho, who } from "../core/workspace.js";
+import { empty, field, head, text } from "../parts/forms.js";
 
 /**
  * Marks of a thumbnail for what a person did: kind and text.
@@ -22,13 +23,13 @@ export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
 /** Show that there are no images to review yet. */
 export const renderNone = (root, title, none, words) =>
   render(root, [
-    h("header.head", h("h1", title)),
+    head(title, ""),
     empty(none, words, h("a.button.primary", { href: "#/study" }, "Go to study")),
   ]);
 
 /** The name saved with corrections; the browser remembers it. */
 function whoButton() {
-  const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
+  const shown = small("", askName, { title: "Saved with each correction" });
   const show = () => render(shown, [h("span.soft", "Corrections by"), h("strong", who() || "…")]);
   async function askName() {
     const name = text({ value: who() });
@@ -49,7 +50,7 @@ function whoButton() {
  * @param {any} bar above the filmstrip
  */
 export const panesOf = (view, title, words, bar) => [
-  h("header.head", [h("div", [h("h1", title), h("p", words)]), h("div.actions", whoButton())]),
+  head(title, words, whoButton()),
   h("div.panes", [
     view.toolbar,
     view.stage.root,
@@ -80,3 +81,46 @@ export const keysOf = (view, own) => [
   ["Tab", "Select a handle; arrow keys move it, Shift ×10, Alt ×⅕", null],
   ["Space", "Use the tool at the cross-hair", null],
 ];
+
+/** Which entries are shown, by what is chosen. @type {Record<string, (entry: any) => boolean>} */
+export const FILTERS = {
+  all: () => true,
+  "not reviewed": (entry) => !entry.accepted && !entry.rejected && entry.status !== "none",
+  flagged: (entry) => entry.flags?.length > 0,
+  corrected: (entry) => entry.corrected,
+  rejected: (entry) => Boolean(entry.rejected),
+};
+
+/**
+ * @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry
+ * @param {{ named?: boolean }} [options] whether the finger is named
+ */
+export function describeContact(entry, { named = false } = {}) {
+  const framed = entry.frame !== undefined;
+  const state = entry.rejected ? "rejected" : entry.status;
+  const marks = [];
+  if (entry.flags?.length) marks.push(["flag", entry.flags.map(describeCode).join("; ")]);
+  if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
+  marks.push(...reviewMarks(entry));
+  const load = (entry.load_N ?? null) === null ? "" : `${short(entry.load_N, 3)} N`;
+  const finger = named && entry.finger;
+  return {
+    above: finger,
+    label: framed
+      ? `${entry.frame}${load ? ` · ${load}` : ""}`
+      : load
+        ? `${load} · ${entry.wedge_angle_deg}°`
+        : entry.item,
+    name: [
+      framed ? `Frame ${entry.frame}` : entry.item,
+      finger,
+      load,
+      ...marks.map(([, title]) => title),
+      state === "none" ? "no contact found, or not run yet" : "",
+    ]
+      .filter(Boolean)
+      .join(", "),
+    state,
+    marks,
+  };
+}

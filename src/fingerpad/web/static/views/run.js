@@ -1,11 +1,11 @@
 // Run the study, show its progress, and export the results.
 
 import { download, get, post } from "../core/api.js";
-import { h, render, update } from "../core/dom.js";
+import { button, h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { attempt, button, check, chip, choiceField, list, withoutOverlap } from "../parts/forms.js";
+import { attempt, check, chip, choiceField, head, list, withoutOverlap } from "../parts/forms.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -45,7 +45,7 @@ const exportCard = (title, words, actions, more = null) =>
     h("div.actions", actions || h("span.soft", "available after a run")),
   ]);
 
-class Run {
+export class Run {
   constructor(root, rest) {
     this.workers = 1;
     this.fresh = false;
@@ -54,9 +54,7 @@ class Run {
     this.exports = h("div.exports");
     this.leftOut = h("div");
     render(root, [
-      h("header.head", [
-        h("div", [h("h1", "Run & export"), h("p", "A run measures only what is new or has changed.")]),
-      ]),
+      head("Run & export", "A run measures only what is new or has changed."),
       h("div.scroll.stack", [this.status, this.exports]),
     ]);
     this.removeListener = workspace.on("run", () => this.#draw());
@@ -113,9 +111,8 @@ class Run {
       this.busy
         ? [
             progressOf(run),
-            // Where Run stood: the second click of a double click does not stop what the first began.
             h("div.actions", { key: "stop" }, [
-              button("Stop", ({ detail }) => detail < 2 && this.#cancel(), { kind: "bad", key: "c" }),
+              button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }),
             ]),
           ]
         : [
@@ -259,5 +256,3 @@ function duration(seconds) {
   if (seconds < 3600) return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
   return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
 }
-
-export const open = (root, rest) => new Run(root, rest);

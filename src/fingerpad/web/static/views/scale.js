@@ -1,22 +1,22 @@
 // Scales: by a line on a ruler, a coin, or a resolution.
 
 import { get, LatestRequest, post } from "../core/api.js";
-import { dotsOf, h, pathOf, render, s } from "../core/dom.js";
+import { button, dotsOf, h, pathOf, render, s } from "../core/dom.js";
 import { rounded } from "../core/gestures.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
-import { short } from "../core/quantity.js";
+import { counted, short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { Line, ThreePoints } from "../editor/shapes.js";
 import { Stage } from "../editor/stage.js";
 import {
   attempt,
-  button,
   chip,
   choiceField,
   empty,
   faultList,
   field,
+  head,
   namePattern,
   segments,
   text,
@@ -24,8 +24,7 @@ import {
 import { photographs } from "../parts/missing_fields.js";
 import { definitionOf, lackingOf, scaleFields, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
 import { flagNote } from "./inspector.js";
-import { gridWords, rectification } from "./scale_grid.js";
-import { scaleImages } from "./scale_images.js";
+import { gridWords, rectification, scaleImages } from "./scale_parts.js";
 
 // A scale that is not saved yet, kept while other steps are shown, and over a reload.
 const UNSAVED = "fingerpad.scale";
@@ -36,7 +35,7 @@ const unsavedScale = () => {
 
 const scaleNamed = (wanted) => workspace.study.scales.find(({ name }) => name === wanted) ?? null;
 
-class Scales {
+export class Scales {
   constructor(root, rest) {
     this.root = root;
     this.study = workspace.study.name;
@@ -56,6 +55,7 @@ class Scales {
     this.form = h("div.stack");
     this.footer = h("div.footer");
     this.list = h("div.scale-list");
+    this.actions = h("div.actions");
     this.live = new LatestRequest(
       (table) => post("/measure/scale", { table }),
       (answer) => this.#showResult(answer),
@@ -63,10 +63,7 @@ class Scales {
       this.result,
     );
     render(root, [
-      h("header.head", [
-        h("div", [h("h1", "Scale"), h("p", "Images that share a named scale share its uncertainty.")]),
-        (this.actions = h("div.actions")),
-      ]),
+      head("Scale", "Images that share a named scale share its uncertainty.", this.actions),
       h("div.panes.no-tools.scale-panes", [
         h("div.scale-main", [
           this.list,
@@ -132,19 +129,13 @@ class Scales {
       workspace.study.ready && h("a.button.primary", { href: "#/run/start" }, "Run the study"),
     ]);
     const item = (kind, name, title, words, uses = null) =>
-      h(
-        "button",
-        {
-          class: `scale-item ${kind}`,
-          type: "button",
-          "aria-pressed": String(this.old?.name === name),
-          onclick: () => this.#start(scaleNamed(name)),
-        },
-        [h("strong", title), h("span.soft", words), uses],
-      );
+      button([h("strong", title), h("span.soft", words), uses], () => this.#start(scaleNamed(name)), {
+        kind: `scale-item ${kind}`,
+        "aria-pressed": String(this.old?.name === name),
+      });
     render(this.list, [
       workspace.study.scales.map(({ name, words, used_by: uses }) =>
-        item("", name, name, words, chip(`${uses} image${uses === 1 ? "" : "s"}`)),
+        item("", name, name, words, chip(counted(uses, "image"))),
       ),
       item("new", undefined, "+ New scale", "ruler, coin, grid or resolution"),
     ]);
@@ -326,13 +317,13 @@ class Scales {
     ];
     if (!(await attempt(this.problem, () => workspace.edit(...edits)))) return;
     const images = edits.length - 1;
-    const set = images ? ` and set for ${images} image${images > 1 ? "s" : ""}` : "";
+    const set = images ? ` and set for ${counted(images, "image")}` : "";
     toast(`Scale ${this.name} saved${set}.`, { kind: "good" });
     this.#start(scaleNamed(this.name));
   }
 
   #wrong(words, control) {
-    render(this.problem, h("div.faults", { role: "alert" }, h("p", words)));
+    render(this.problem, faultList({ message: words }));
     control?.focus();
   }
 
@@ -360,5 +351,3 @@ class Scales {
     this.stage.close();
   }
 }
-
-export const open = (root, rest) => new Scales(root, rest);

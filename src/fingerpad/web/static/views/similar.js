@@ -2,11 +2,11 @@
 
 import { get, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
-import { h, pathOf, render, s } from "../core/dom.js";
+import { button, h, pathOf, render, s, small } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
 import { signedPercent } from "../core/quantity.js";
 import { describeCode, who } from "../core/workspace.js";
-import { button } from "../parts/forms.js";
+import { alarm } from "../parts/forms.js";
 
 /** Settings that other images may share. */
 export const SHARED = ["dark_on_light", "threshold", "region_of_interest_px", "mask_px"];
@@ -20,7 +20,7 @@ class Card {
     this.picture = h("div.similar-picture", { "aria-hidden": "true" });
     this.words = h("div.similar-words", { "aria-live": "polite" }, h("p.loading", "Measuring …"));
     this.accept = button("Accept", () => this.#accept(), { kind: "primary small", disabled: true });
-    this.leave = button("Leave", () => this.#decide("left"), { kind: "small" });
+    this.leave = small("Leave", () => this.#decide("left"));
     this.root = h("li.similar-card", { "aria-label": image.item, "data-item": image.item }, [
       this.picture,
       h("strong", image.item),
@@ -42,7 +42,7 @@ class Card {
       this.#describe(now, then);
       this.accept.disabled = this.state !== undefined;
     } catch (error) {
-      render(this.words, h("p.note.bad", error.message));
+      render(this.words, alarm(error.message));
     }
   }
 

@@ -1,16 +1,16 @@
 // The study: its contents, missing entries, and settings.
 
-import { h, render, update } from "../core/dom.js";
+import { h, render, small, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { counted } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
-import { attempt, button, choiceField, field, number, numberField, textField } from "../parts/forms.js";
-import { missingList, SURFACES } from "../parts/missing_fields.js";
-import { axesNotes, doubtNotes } from "../parts/notes.js";
+import { attempt, choiceField, field, number, numberField, textField } from "../parts/forms.js";
+import { axesNotes, doubtNotes, missingList, SURFACES } from "../parts/missing_fields.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
 
-class StudyView {
+export class StudyView {
   constructor(root) {
     this.files = new NewFiles({ changed: () => this.update(), showMissing: () => this.#showMissing() });
     this.tables = new StudyTables();
@@ -55,10 +55,10 @@ class StudyView {
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
     const parts = [
-      count(study.fingers.length, "finger"),
-      count(study.observations.length, "contact"),
-      study.sequences.length && count(study.sequences.length, "sequence"),
-      study.curves.length && count(study.curves.length, "loading data set"),
+      counted(study.fingers.length, "finger"),
+      counted(study.observations.length, "contact"),
+      study.sequences.length && counted(study.sequences.length, "sequence"),
+      study.curves.length && counted(study.curves.length, "loading data set"),
     ];
     update(this.heading, [h("h1", study.title || study.name), h("p", parts.filter(Boolean).join(", "))]);
     update(this.ready, [
@@ -68,7 +68,7 @@ class StudyView {
             h("span.soft", "Not ready to run"),
             study.missing.length > 0 &&
               study.fingers.length + all > 0 &&
-              button("Show what is missing", () => this.#showMissing(), { kind: "small" }),
+              small("Show what is missing", () => this.#showMissing()),
           ],
     ]);
     this.files.draw();
@@ -144,12 +144,21 @@ class StudyView {
       h("details", [
         h("summary", [h("strong", "Apparatus"), " – for the methods section of the report"]),
         h("div.fields.two", [
-          APPARATUS.map(([key, words, example]) =>
-            textField(words, { value: now[key], placeholder: example, onset: onset(key), wide: true }),
+          APPARATUS.map(([key, words, placeholder]) =>
+            textField(words, { value: now[key], placeholder, onset: onset(key), wide: true }),
           ),
-          SPEEDS.map(([key, words, unit]) =>
-            numberField(words, { value: now[key], min: 0, onset: onset(key), unit }),
-          ),
+          numberField("Velocity of approach", {
+            value: now.approach_mm_per_s,
+            min: 0,
+            onset: onset("approach_mm_per_s"),
+            unit: "mm/s",
+          }),
+          numberField("Dwell before the image", {
+            value: now.dwell_s,
+            min: 0,
+            onset: onset("dwell_s"),
+            unit: "s",
+          }),
         ]),
         this.problems.apparatus,
       ]),
@@ -191,12 +200,6 @@ const METHODS = [
   ["monte_carlo", "Monte Carlo"],
 ];
 
-/** Keys of the apparatus that are numbers: key, label, unit. */
-const SPEEDS = [
-  ["approach_mm_per_s", "Velocity of approach", "mm/s"],
-  ["dwell_s", "Dwell before the image", "s"],
-];
-
 /** Keys of the apparatus that are words: key, label, example. */
 const APPARATUS = [
   ["imaging", "Contact images", "a glass prism and a monochrome camera"],
@@ -207,7 +210,3 @@ const APPARATUS = [
   ["poisson_ratio_basis", "Basis of Poisson's ratio", "as usual for soft tissue"],
   ["thickness_basis", "Basis of the thickness", "from ultrasound"],
 ];
-
-const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
-
-export const open = (root) => new StudyView(root);

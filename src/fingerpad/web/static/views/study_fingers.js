@@ -1,30 +1,30 @@
 // The table of fingers: semi-axes, thickness and photographs.
 
-import { h } from "../core/dom.js";
+import { button, h, small } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
-import {
-  button,
-  chip,
-  field,
-  namePattern,
-  number,
-  numberIn,
-  synthetic,
-  text,
-  thumbnail,
-} from "../parts/forms.js";
-import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
-import { staleChip } from "../parts/notes.js";
+import { chip, field, namePattern, number, numberIn, synthetic, text, thumbnail } from "../parts/forms.js";
+import { AXES, missingList, missingOf, staleChip } from "../parts/missing_fields.js";
 import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js";
 
 const PAGE = 12;
 
-/** A length, and its uncertainty. */
-const quantityFields = (words, value, std) => [
-  field(words, value, { unit: "mm" }),
-  field("± (standard uncertainty)", std, { unit: "mm" }),
-];
+/** The fields of a length and its uncertainty. @param {{ min?: number, above?: number }} limits of both */
+function quantity(words, now, std, limits) {
+  const [value, its] = [now, std].map((each) => number({ value: each, ...limits }));
+  const unit = "mm";
+  return {
+    value,
+    its,
+    fields: [field(words, value, { unit }), field("± (standard uncertainty)", its, { unit })],
+  };
+}
+
+/** Ask for quantities; whether they are to be saved. */
+const askFor = (title, words, quantities, oninput = undefined) => {
+  const fields = h("div.fields.two", [quantities.map((one) => one.fields)]);
+  return ask(title, h("div.stack", { oninput }, [h("p", words), fields]), "Save");
+};
 
 export class FingerTable {
   /** @param {import("./study_tables.js").StudyTables} tables */
@@ -43,7 +43,7 @@ export class FingerTable {
     const axes = AXES.map(([, words]) => ({ words: `${words}, mm` }));
     return tableCard("Fingers", {
       words: "semi-axes from photographs or entered",
-      actions: [pager, button("Add a finger", () => this.#addFinger(), { kind: "small" })],
+      actions: [pager, small("Add a finger", () => this.#addFinger())],
       headings: ["Finger", ...axes, thickness, "Photographs", ""],
       rows: shown.map((finger) => this.#finger(finger)),
       none: "No fingers yet. Add a photograph, or enter the semi-axes.",
@@ -55,14 +55,11 @@ export class FingerTable {
     const { name, photographs, semi_axes_mm: axes, effective_thickness_mm: thickness } = finger;
     const chips = [synthetic(finger.synthetic), incompleteChip(finger), staleChip(name, "out of date")];
     return row(
-      cell(
-        h("strong", name),
-        chips.map((one) => [" ", one]),
-      ),
+      name,
+      cell([h("strong", name), chips.map((one) => [" ", one])]),
       AXES.map(([axis]) => h("td.number", axes?.[axis].words ?? "–")),
       h("td.number", [
-        button(thickness.value === null ? "Enter" : thickness.words, () => this.#thickness(finger), {
-          kind: "small",
+        small(thickness.value === null ? "Enter" : thickness.words, () => this.#thickness(finger), {
           label: `Thickness of ${name}`,
           title: "Effective thickness over bone",
         }),
@@ -75,10 +72,7 @@ export class FingerTable {
       cell(
         h("div.actions", [
           !photographs?.length &&
-            button("Semi-axes", () => this.#semiAxes(finger), {
-              kind: "small",
-              label: `Semi-axes of ${name}`,
-            }),
+            small("Semi-axes", () => this.#semiAxes(finger), { label: `Semi-axes of ${name}` }),
           button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${name}`, title: "Rename" }),
           this.tables.removal("finger", name, name),
         ]),
@@ -135,51 +129,36 @@ export class FingerTable {
   /** @param {Finger} finger */
   async #semiAxes(finger) {
     const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
-    const inputs = AXES.map(([axis, words]) => [
-      axis,
-      words,
-      number({ value: now[axis], above: 0 }),
-      number({ value: std[axis], above: 0 }),
-    ]);
-    const fields = inputs.flatMap(([, , value, its]) => [value, its]);
+    const asked = AXES.map(([axis, words]) => quantity(words, now[axis], std[axis], { above: 0 }));
+    const inputs = asked.flatMap(({ value, its }) => [value, its]);
+    const isEmpty = () => inputs.every(({ value }) => value === "");
     const requireAll = () => {
-      const some = fields.some(({ value }) => value !== "");
-      for (const input of fields) input.required = some;
+      for (const input of inputs) input.required = !isEmpty();
     };
-    const body = h("div.stack", { oninput: requireAll }, [
-      h(
-        "p",
-        "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.",
-      ),
-      h("div.fields.two", [inputs.map(([, ...its]) => quantityFields(...its))]),
-    ]);
     requireAll();
-    const save = await ask(`Semi-axes of ${finger.name}`, body, "Save");
-    if (!save || fields.every(({ value }) => value === "")) return;
+    const words =
+      "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.";
+    if (!(await askFor(`Semi-axes of ${finger.name}`, words, asked, requireAll)) || isEmpty()) return;
+    const entered = (of) =>
+      Object.fromEntries(AXES.map(([axis], place) => [axis, numberIn(of(asked[place]))]));
     this.tables.change("finger", finger.name, {
-      semi_axes_mm: Object.fromEntries(inputs.map(([axis, , value]) => [axis, numberIn(value)])),
-      semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , its]) => [axis, numberIn(its)])),
+      semi_axes_mm: entered(({ value }) => value),
+      semi_axes_mm_std: entered(({ its }) => its),
     });
   }
 
   /** @param {Finger} finger */
   async #thickness(finger) {
-    /** @type {Record<string, any>} */
     const { effective_thickness_mm: now, effective_thickness_mm_std: std } = finger.table;
-    const [value, its] = [now, std].map((each) => number({ value: each, min: 0 }));
-    const body = h("div.stack", [
-      h(
-        "p",
-        "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's " +
-          "narrow and curved bone. Results then show the whole pad on that layer beside Hertz theory. " +
-          "Without an uncertainty it is taken as exact; empty fields remove it.",
-      ),
-      h("div.fields.two", quantityFields("Effective thickness", value, its)),
-    ]);
-    if (!(await ask(`Thickness of ${finger.name}`, body, "Save"))) return;
+    const asked = quantity("Effective thickness", now, std, { min: 0 });
+    const words =
+      "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's " +
+      "narrow and curved bone. Results then show the whole pad on that layer beside Hertz theory. " +
+      "Without an uncertainty it is taken as exact; empty fields remove it.";
+    if (!(await askFor(`Thickness of ${finger.name}`, words, [asked]))) return;
     this.tables.change("finger", finger.name, {
-      effective_thickness_mm: numberIn(value),
-      effective_thickness_mm_std: numberIn(its),
+      effective_thickness_mm: numberIn(asked.value),
+      effective_thickness_mm_std: numberIn(asked.its),
     });
   }
 }

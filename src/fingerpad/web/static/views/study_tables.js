@@ -1,10 +1,11 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
-import { h, render, reset, update } from "../core/dom.js";
+import { contactAddress } from "../core/api.js";
+import { button, h, render, reset, small, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { attempt, button, chip, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
+import { attempt, chip, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_ways.js";
 import { cell, paged, row, statusChip, tableCard } from "../parts/tables.js";
 import { FingerTable } from "./study_fingers.js";
@@ -13,9 +14,6 @@ import { FingerTable } from "./study_fingers.js";
 const PAGE = 50;
 // So few are found at a glance.
 const FEW = 15;
-
-const reviewLink = (source, item, words) =>
-  h("a", { href: `#/contacts/${[source, item].filter(Boolean).map(encodeURIComponent).join("/")}` }, words);
 
 export class StudyTables {
   /** The page of contacts that is shown, and what of them is looked for. */
@@ -130,8 +128,9 @@ export class StudyTables {
   #contact(one, rolled) {
     const cells = this.#cells("observation", one.item, one);
     return row(
+      one.item,
       cell(
-        one.file ? reviewLink("images", one.item, one.item) : one.item,
+        one.file ? h("a", { href: contactAddress(one.item) }, one.item) : one.item,
         " ",
         synthetic(one.synthetic),
         one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(describeCode).join("; "))],
@@ -169,8 +168,9 @@ export class StudyTables {
       onset: cells.set("frames_per_second"),
     });
     return row(
+      one.name,
       cell(
-        reviewLink(`sequence:${one.name}`, null, one.name),
+        h("a", { href: contactAddress(null, one.name) }, one.name),
         " ",
         synthetic(one.synthetic),
         one.frames && h("div.soft.number", `${one.frames} frames`),
@@ -193,7 +193,7 @@ export class StudyTables {
     const disabled = !workspace.study.fingers.length;
     return tableCard("Loading data", {
       words: ["force–displacement curves, or ", symbol("R_g"), " from elsewhere"],
-      actions: button(words, () => this.#addRadius(), { kind: "small", disabled }),
+      actions: small(words, () => this.#addRadius(), { disabled }),
       headings: ["Source", "Finger", "Wedge, °", { words: [symbol("R_g"), ", mm"] }, "Status", ""],
       rows: curves.map((one) => this.#curve(one)),
       none: [
@@ -209,6 +209,7 @@ export class StudyTables {
     const name = `curve ${one.key}`;
     const cells = this.#cells("curve", one.key, one, name);
     return row(
+      `${one.file ?? one.loading_radius_mm.words} ${one.finger}`,
       cell(one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
       cell(one.finger ?? "–"),
       cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),

@@ -1,14 +1,18 @@
 // The start page: create, open or import a study.
 
-import { ApiError, addressOf } from "../core/api.js";
-import { h, render } from "../core/dom.js";
-import { showError } from "../core/messages.js";
+import { post, send } from "../core/api.js";
+import { button, h, render } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
-import { attempt, button, field, list, text, withoutOverlap } from "../parts/forms.js";
+import { attempt, field, list, text, withoutOverlap } from "../parts/forms.js";
 
 const mark = new URL("../mark.svg", import.meta.url).href;
 
-class Welcome {
+/** Open a study, a new one, or a new copy of the example. @param {"open" | "new" | "example"} which */
+async function enter(which, asked = {}) {
+  workspace.take(await post(`/api/session/${which}`, /** @type {any} */ (asked)));
+}
+
+export class Welcome {
   constructor(root) {
     const { studies, workspace: folder } = workspace.session;
     this.problem = h("div");
@@ -19,7 +23,7 @@ class Welcome {
       hidden: true,
       tabindex: -1,
       "aria-label": "ZIP file of a study",
-      onchange: () => this.#import(this.chooser.files[0]),
+      onchange: () => this.#import([...this.chooser.files]),
     });
     this.title.addEventListener("keydown", (event) => event.key === "Enter" && this.#create());
     render(root, [
@@ -40,7 +44,7 @@ class Welcome {
             field("Title", this.title, { hint: `A new folder is created in ${folder}.` }),
             h("div.actions", [
               button("Create study", () => this.#create(), { kind: "primary" }),
-              button("Try the example", () => this.#example(), {
+              button("Try the example", () => enter("example"), {
                 title: "A small synthetic study: photographs, contacts and a loading curve of known truth",
               }),
             ]),
@@ -51,10 +55,9 @@ class Welcome {
             studies.length
               ? list(
                   studies.map(({ name, title }) =>
-                    h("button", { type: "button", onclick: () => workspace.open(name).catch(showError) }, [
-                      h("strong", title || name),
-                      title && h("code", name),
-                    ]),
+                    button([h("strong", title || name), title && h("code", name)], () =>
+                      enter("open", { name }),
+                    ),
                   ),
                   "ul.studies",
                 )
@@ -82,24 +85,14 @@ class Welcome {
   #create = withoutOverlap(async () => {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
-    if (await attempt(this.problem, () => workspace.create(title))) location.hash = "#/study";
+    if (await attempt(this.problem, () => enter("new", { title }))) location.hash = "#/study";
     return undefined;
   });
 
-  #example = withoutOverlap(() => workspace.createExample().catch(showError));
-
-  async #import(file) {
+  /** @param {File[]} files the one that was chosen */
+  async #import([file]) {
+    this.chooser.value = ""; // the same one may be chosen again
     if (!file) return;
-    const response = await fetch(addressOf("/api/session/import", { file: file.name }), {
-      method: "POST",
-      headers: { "content-type": "application/zip" },
-      body: file,
-    });
-    const answer = await response.json().catch(() => null);
-    if (!response.ok) return showError(new ApiError(response.status, answer));
-    workspace.update(answer);
+    workspace.take(await send("/api/session/import", { file: file.name }, file));
   }
 }
-
-/** @returns {View} */
-export const open = (root) => /** @type {any} */ (new Welcome(root));

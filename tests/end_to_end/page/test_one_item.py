@@ -1,0 +1,113 @@
+"""What is clicked twice, held down, or left half-entered is about one item only."""
+
+import json
+import re
+import tomllib
+
+from playwright.sync_api import Page, expect
+from tests.end_to_end.page.browser import Tab, box, numbers, settle, stroke
+
+
+def reviewed(study) -> list[str]:
+    log = study / "corrections.jsonl"
+    return [json.loads(line)["item"] for line in log.read_text().splitlines()] if log.exists() else []
+
+
+def settled(page: Page) -> None:
+    page.wait_for_load_state("networkidle")
+    settle(page)
+
+
+def test_a_double_click_deletes_one_scale(tab: Tab, demo) -> None:
+    with (demo / "study.toml").open("a") as file:
+        file.write("\n".join(f"[scales.unused_{name}]\nppi = 500\n" for name in ("a", "b")))
+    page = tab.open("scale/unused_a")
+    page.get_by_role("heading", name="Scale unused_a").wait_for()
+    page.get_by_role("button", name="Delete").dblclick()
+    page.locator(".scale-item", has_text="unused_a").wait_for(state="detached")
+    settled(page)
+    scales = tomllib.loads((demo / "study.toml").read_text())["scales"]
+    assert "unused_a" not in scales
+    assert "unused_b" in scales
+    assert page.locator(".message").count() == 0
+
+
+def test_a_double_click_and_a_held_key_judge_one_image(tab: Tab, demo) -> None:
+    page = tab.open("contacts/images")
+    numbers(page)
+    (first, second) = (page.locator(".cell").nth(place) for place in (0, 1))
+    page.get_by_role("button", name="Reject", exact=True).dblclick()
+    expect(second).to_have_attribute("aria-selected", "true")
+    numbers(page)
+    assert len(reviewed(demo)) == 1
+    expect(first).to_have_attribute("data-state", "rejected")
+    page.locator("h1").click()
+    page.keyboard.down("x")
+    expect(page.locator(".cell").nth(2)).to_have_attribute("aria-selected", "true")
+    for _ in range(5):
+        page.keyboard.down("x")  # as a key that is held does
+        numbers(page)
+    page.keyboard.up("x")
+    settled(page)
+    assert len(reviewed(demo)) == 2
+
+
+def test_a_double_click_opens_one_figure(tab: Tab, demo) -> None:
+    page = tab.open("results/budget")
+    page.get_by_role("button", name=re.compile("^Size, axes and colours")).first.dblclick()
+    page.locator("dialog.figure-settings .preview[src]").wait_for()
+    settled(page)
+    assert page.locator("dialog").count() == 1
+
+
+def test_what_was_refused_for_a_contact_is_not_shown_for_another(tab: Tab, demo) -> None:
+    page = tab.open("study")
+    field = page.get_by_label(re.compile("^Wedge angle of synthetic_30deg_2N$"))
+    field.fill("95")
+    field.press("Enter")
+    assert field.evaluate("field => field.matches(':invalid')")
+    page.get_by_role("button", name="Remove synthetic_30deg_2N").click()
+    page.get_by_role("button", name="Remove", exact=True).click()
+    expect(field).to_have_count(0)
+    others = page.get_by_label(re.compile("^Wedge angle of "))
+    assert all(re.fullmatch("30|45|60", other.input_value()) for other in others.all())
+
+
+def test_settings_that_were_not_saved_are_not_shown_for_the_next_image(tab: Tab, demo) -> None:
+    page = tab.open("contacts/images/synthetic_30deg_2N")
+    numbers(page)
+    page.get_by_label("Threshold, grey levels").fill("none")
+    page.get_by_role("checkbox", name="Show the automatic outline").check()
+    page.locator("h1").click()
+    page.keyboard.press(".")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    numbers(page)
+    expect(page.get_by_label("Threshold, grey levels")).to_have_value("")
+    expect(page.get_by_role("checkbox", name="Show the automatic outline")).not_to_be_checked()
+    expect(page.locator(".stage.comparing")).to_have_count(0)
+
+
+def test_a_length_is_of_its_photograph(tab: Tab, demo) -> None:
+    page = tab.open("photographs")
+    numbers(page, "finger")
+    page.keyboard.press("l")
+    place = box(page.locator(".stage"))
+    x, y = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    stroke(page, (x - 60, y), (x + 60, y))
+    expect(page.locator("[data-live=length]")).to_contain_text("mm")
+    page.keyboard.press(".")
+    expect(page.locator(".cell").nth(1)).to_have_attribute("aria-selected", "true")
+    expect(page.locator("[data-live=length]")).to_have_text("Draw a line on the picture.")
+
+
+def test_what_was_entered_for_a_missing_entry_is_not_shown_for_the_next(tab: Tab, demo) -> None:
+    path = demo / "observations.csv"
+    path.write_text(re.sub(r"(?m)^(table3_\w+,\w+,\d+),2,", r"\1,,", path.read_text()))
+    page = tab.open("study")
+    fields = page.locator(".missing-box").get_by_label(re.compile("the load is missing"))
+    count = fields.count()
+    assert count > 1
+    fields.first.fill("2")
+    fields.first.press("Enter")
+    expect(fields).to_have_count(count - 1)
+    expect(fields.first).to_have_value("")
