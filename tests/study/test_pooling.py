@@ -16,7 +16,7 @@ from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
+from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius, area_exponent
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult, check_uncertainty
@@ -232,7 +232,7 @@ def test_contacts_share_the_error_of_a_scale_that_they_name(
 ) -> None:
     seen = [contact(0, scale, covariance_mm2=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
     rows = model_contacts(STUDY, {"f": finger(None)}, seen)
-    parts = np.zeros_like(rows.parts)
+    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
     parts[:, :, np.flatnonzero(PART_SOURCES == "image scale")[0]] = 0.3
     parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.4
     found = pooled(replace(rows, parts=parts), [0, 1, 2]).fixed
@@ -244,7 +244,7 @@ def test_contacts_share_the_error_of_a_scale_that_they_name(
 
 def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> None:
     rows = model_contacts(STUDY, {"f": finger(None)}, [contact(number) for number in (0, 4, 8)])
-    parts = np.zeros_like(rows.parts)
+    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
     parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.1
     rows = replace(rows, parts=parts, elongation_std=np.array([0.01, 0.02, 0.05]))
     radii = rows.table[f"{OUTPUT}_mm"].to_numpy()
@@ -256,7 +256,7 @@ def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> N
 
 def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
     rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), contact(1)])
-    parts = np.zeros_like(rows.parts)
+    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
     for source, part in [(GEOMETRY[0], 0.5), ("Poisson's ratio", 0.3), ("contact ellipse", 0.4)]:
         parts[:, :, np.flatnonzero(source == PART_SOURCES)[-1]] = part  # of second order
     found = pooled(replace(rows, parts=parts, elongation_std=np.zeros(2)), [0, 1])

@@ -105,7 +105,7 @@ def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) ->
 
 def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw what would follow for the contact at the highest load that is in the range of the laws."""
-    pooled = summary.rows[summary.rows["pooled"]]
+    pooled = summary.where(summary.column("pooled"))
     area = np.pi * pooled["semi_major_mm"].to_numpy() * pooled["semi_minor_mm"].to_numpy()
     nu = result.study.poisson_ratio
     reduced, contacts = find_modulus(

@@ -197,7 +197,7 @@ def _details(
     result: StudyResult, summary: Summary, check: UncertaintyCheckRecord | None, draw: _Draw
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
-    rows, contacts, shown = summary.rows, summary.contacts, plots.shown_rows(summary)
+    contacts, shown = summary.contacts, plots.shown_rows(summary)
     notes = text.note_counts(summary)
     doubtful = contacts[contacts["flags"] != ""]
     doubtful = doubtful.iloc[np.argsort(doubtful["pooled"].to_numpy(), kind="stable")]  # those left out first
@@ -221,7 +221,9 @@ def _details(
             for row in records(contacts[contacts["pooled"] & contacts["pooling_corrected_by"].notna()])
         ],
         "edge": "–".join(dict.fromkeys(map(two_digits, (edge.min(), edge.max())))) if edge.size else "",
-        "range_notes": [(flag, notes[code], len(rows)) for code, flag in FLAGS["row"].items() if notes[code]],
+        "range_notes": [
+            (flag, notes[code], len(summary.places)) for code, flag in FLAGS["row"].items() if notes[code]
+        ],
         "layer": summary.layer,
         "layer_lines": comparisons(result, summary),
         "layer_flag": FLAGS["layer"].get(summary.layer.flag) if summary.layer else None,

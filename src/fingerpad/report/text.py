@@ -268,7 +268,8 @@ def why_not_pooled(summary: Summary) -> str:
     counts = {"contact": contacts, "frame": len(summary.places) - contacts}
     seen = " and ".join(counted(count, noun) for noun, count in counts.items() if count)
     fields = ("excluding_flags", "pooling_corrected_by", "pooling_reason", "pooled")
-    reasons = Counter(pooling_words(row) or _NOT_LOADING for row in records(summary.rows, *fields))
+    rows = summary.table[[*fields]].iloc[summary.places]
+    reasons = Counter(pooling_words(row) or _NOT_LOADING for row in records(rows))
     return f"0 of {seen} pooled: " + "; ".join(
         f"{words} ({count})" if len(reasons) > 1 else words for words, count in reasons.items()
     )
@@ -313,8 +314,10 @@ def doubtful_results(result: StudyResult) -> Iterator[str]:
     for finger in result.fingers.values():
         for words in _finger_doubts(finger):
             yield f"doubtful: {finger.name}: {words}"
-    contacts = result.rows[result.rows["frame"].isna()]
-    for row in records(contacts, "observation", "flags"):
+    # Of a large study a copy of all columns takes as much memory as the rest of a run.
+    said = result.rows[["observation", "flags", "excluding_flags", "pooled"]]
+    contacts = said[result.rows["frame"].isna()]
+    for row in records(contacts):
         if row["flags"]:
             words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
             yield f"doubtful: {row['observation']}: {words}"

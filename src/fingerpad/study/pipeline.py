@@ -301,7 +301,7 @@ def _column_notes(study: Study, folder: Path) -> Iterator[str]:
 
 def _drawn(items: StudyItems, store: Store) -> Iterator[tuple[str, str]]:
     """Yield the overlays that belong to the study as it is, by name, each with its digest."""
-    statuses = store.statuses()
+    statuses = store.statuses(only_drawn=True)
     for item in items:
         if (status := statuses.get(item.name)) is not None:
             yield from status.drawn.items()

@@ -211,13 +211,18 @@ class Store:
         if self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0] != "ok":
             raise sqlite3.DatabaseError("damaged")
 
-    def statuses(self, tasks: Iterable[str] | None = None) -> dict[str, TaskStatus]:
-        """Return what is known of tasks by their names, all or some, without the results themselves."""
+    def statuses(
+        self, tasks: Iterable[str] | None = None, *, only_drawn: bool = False
+    ) -> dict[str, TaskStatus]:
+        """Return what is known of tasks by their names, without the results themselves.
+
+        Of all tasks, of some, or of those that have drawn files.
+        """
         query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
         ask = self._connection.execute
         with _plain_errors(self.path):
             if tasks is None:
-                rows = ask(query).fetchall()
+                rows = ask(f"{query} WHERE drawn <> '{{}}'" if only_drawn else query).fetchall()
             else:
                 rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
         found = {}
@@ -324,7 +329,11 @@ class Store:
         `placed` has the digests of the files of the results, by name.
         """
         self.discard(
-            [task for task, status in self.statuses().items() if not status.drawn.items() <= placed.items()]
+            [
+                task
+                for task, status in self.statuses(only_drawn=True).items()
+                if not status.drawn.items() <= placed.items()
+            ]
         )
         shutil.rmtree(self.folder / DRAWN_NAME, ignore_errors=True)
 

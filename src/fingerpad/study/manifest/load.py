@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias, TypeVar
 from unicodedata import normalize
 
 from pydantic import BaseModel, TypeAdapter
@@ -122,6 +122,7 @@ class Table:
 
 
 _NONE: Final[dict[str, Any]] = {}
+AnyModel = TypeVar("AnyModel", bound=BaseModel)
 
 
 class TableChecks:
@@ -142,7 +143,7 @@ class TableChecks:
         if isinstance(model, Observation | ContactSequence) and "surface" not in model.model_fields_set:
             model = model.model_copy(update={"surface": self._surface if model.file else "ridged"})
         if model is not None:
-            self._share_keys(model)
+            model = self._with_shared_keys(model)
         faults = (*faults, *self._name_faults(table))
         if model is not None:
             faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
@@ -154,13 +155,22 @@ class TableChecks:
         content = _NONE if complete and not table.key_path else table.content
         return replace(table, content=content, faults=faults, model=model, complete=complete)
 
-    def _share_keys(self, model: BaseModel) -> None:
-        """Let tables that state the same keys share the set of them, which is half of what each takes."""
-        stated = self._stated.setdefault(frozenset(model.model_fields_set), model.model_fields_set)
-        object.__setattr__(model, "__pydantic_fields_set__", stated)
-        for value in vars(model).values():
-            if isinstance(value, BaseModel):
-                self._share_keys(value)
+    def _with_shared_keys(self, model: AnyModel) -> AnyModel:
+        """Return a model that takes half of the memory: its keys, and the set of those stated, are shared.
+
+        Of attributes that are set one by one Python keeps the names once for all objects of a type.
+        """
+        compact, stated = type(model).__new__(type(model)), frozenset(model.model_fields_set)
+        attributes = {
+            **dict(model),
+            "__pydantic_fields_set__": self._stated.setdefault(stated, {*stated}),
+            "__pydantic_extra__": None,
+            "__pydantic_private__": None,
+        }
+        for name, value in attributes.items():
+            kept = self._with_shared_keys(value) if isinstance(value, BaseModel) else value
+            object.__setattr__(compact, name, kept)
+        return compact
 
     def _name_faults(self, table: Table) -> Iterator[Fault]:
         if table.kind == "curve":

@@ -82,7 +82,7 @@ class Measurement:
 _FIELDS: Final = frozenset(one.name for one in fields(Measurement))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ObservationItem(OneTaskItem[Observation]):
     """One contact at one load."""
 

@@ -5,7 +5,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Any, Final, Generic, Self, TypeVar
 
@@ -93,7 +93,7 @@ class RunContext:
 TableOf = TypeVar("TableOf", bound=ManifestModel)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Item(ABC, Generic[TableOf]):
     """Something of a study that is measured on its own and counts as one."""
 
@@ -101,6 +101,7 @@ class Item(ABC, Generic[TableOf]):
     name: str  # in the store, in corrections, and in the progress of a run
 
     table: TableOf  # what the manifest says of it
+    _found_key: str = field(default="", init=False, repr=False)
 
     @property
     def file(self) -> str:
@@ -123,10 +124,12 @@ class Item(ABC, Generic[TableOf]):
         """Number of pictures or frames by which it advances the run."""
         return 1
 
-    @cached_property
+    @property
     def key(self) -> str:
         """Digest of all that its result depends on, found once."""
-        return self._key()
+        if not self._found_key:
+            object.__setattr__(self, "_found_key", self._key())
+        return self._found_key
 
     def _key(self) -> str:
         return self.context.key(self.table, self.context.edits(self.name))

@@ -83,7 +83,7 @@ class CurveResult:
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CurveItem(OneTaskItem[Curve]):
     """A loading curve that has a file."""
 

@@ -231,7 +231,7 @@ def photograph_item(finger: Finger, photograph: Photograph) -> str:
     return f"{finger.name}/{photograph.file or photograph.outline}"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PhotographItem(OneTaskItem[Photograph]):
     """A photograph of a finger's face."""
 

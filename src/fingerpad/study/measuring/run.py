@@ -1,6 +1,6 @@
 """Everything that a study measures: its items, measured or found again in the store."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
@@ -151,10 +151,12 @@ def measure_study(
     statuses, items = store.statuses(), StudyItems.of(context)
     headers = [header_task(sequence, context) for sequence in context.study.sequences]
     records_of(headers, executor, store, context.folder)
-    progress = _progress_of(items, store, executor.limits, statuses)
+    progress, done = _progress_of(items, store, executor.limits, statuses)
 
     def is_done(task: Task) -> bool:
         nonlocal progress
+        if task.name in done:
+            return True
         if not store.is_current(statuses.get(task.name), task.key, executor.limits):
             return False
         if task.name != task.item:  # a piece of a sequence that is not done as a whole
@@ -172,11 +174,7 @@ def measure_study(
         status: Literal["done", "failed"] = "failed" if failed else "done"
         on_progress(replace(progress, item=task.item, file=task.file, status=status, seconds=result.seconds))
 
-    left = (
-        one
-        for one in items.sequences
-        if not store.is_current(statuses.get(one.name), one.key, executor.limits)
-    )
+    left = (one for one in items.sequences if one.name not in done)
     on_progress(progress)
     run_plans(items.plans(left), executor, store_result, is_done)
     sequences = [one.result() for one in items.sequences]
@@ -192,17 +190,22 @@ def measure_study(
 
 
 def _progress_of(
-    items: StudyItems, store: Store, limits: Limits, statuses: Mapping[str, TaskStatus]
-) -> Progress:
-    """Return how far a study is before anything is measured."""
+    items: StudyItems, store: Store, limits: Limits, statuses: dict[str, TaskStatus]
+) -> tuple[Progress, set[str]]:
+    """Return how far a study is before anything is measured, and the items that are done.
+
+    Their statuses are removed: those of all items take as much memory as the items.
+    """
     pictures = failed = total = 0
+    done = set()
     for item in items:
         count = item.pictures  # of a sequence, read from the store
         total += count
-        if (status := statuses.get(item.name)) and store.is_current(status, item.key, limits):
+        if (status := statuses.pop(item.name, None)) and store.is_current(status, item.key, limits):
             pictures += count
             failed += status.status == "failed"
-    return Progress(pictures=pictures, failed=failed, total=total)
+            done.add(item.name)
+    return Progress(pictures=pictures, failed=failed, total=total), done
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +214,11 @@ class _Contacts:
 
     items: StudyItems
     sequences: Sequence[SequenceResult]
+
+    def __length_hint__(self) -> int:
+        """Return how many they may be: not every frame shows a contact."""
+        frames = (1 if one.summary is None else one.summary.count for one in self.sequences)
+        return len(self.items.observations) + sum(frames)
 
     def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
         for one in self.items.observations:

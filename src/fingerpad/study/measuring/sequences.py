@@ -443,7 +443,7 @@ class OpenedSequence:
         return smooth or measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SequenceItem(Item[ContactSequence]):
     """An image sequence of one press."""
 

@@ -231,7 +231,7 @@ def _on_layer(
 ) -> LoadMean | None:
     """Pool Young's modulus on the layer over the rows in the range of its laws; None without any."""
     rows = rows[np.isin(rows.index, of.pooled)]
-    if not (of.layer_parts.size and len(rows)):
+    if not len(rows):
         return None
     places, output = np.searchsorted(of.pooled, rows.index.to_numpy()), POOLED_ON_LAYER.index(_ON_LAYER)
     variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2

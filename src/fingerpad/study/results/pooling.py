@@ -316,13 +316,14 @@ class PooledOnLayer(LayerQuantity):
     @classmethod
     def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self | None:
         """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is."""
-        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.index.to_numpy())]
-        known = np.asarray(np.isfinite(parts).all(axis=(-2, -1)))  # the same contacts for all outputs
+        places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
+        of_all = [rows.layer_parts[places, each] for each in range(len(POOLED_ON_LAYER))]
+        known = np.asarray(np.isfinite(of_all).all(axis=(0, -1)))  # the same contacts for all outputs
         if not known.any():
             return None
         unit, factor = unit_of(output)
         pooled, estimate = pooled[known], numbered(estimate[known])
-        parts = factor * parts[known, POOLED_ON_LAYER.index(output)]
+        parts = factor * of_all[POOLED_ON_LAYER.index(output)][known]
         own_std = np.sqrt(np.sum(parts[:, _OWN_ON_LAYER] ** 2, axis=-1))
         mean = mean_within(estimate, own_std)
         value, parts = (

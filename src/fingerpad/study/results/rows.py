@@ -4,10 +4,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from itertools import islice
+from operator import length_hint
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from fingerpad._arrays import BoolArray, FloatArray
@@ -49,18 +51,35 @@ class HighestLoad(NamedTuple):
     inputs: Inputs  # the model's inputs for it
 
 
+class Parts:
+    """Signed contributions to the uncertainty of some outputs, by part; what is zero takes no memory."""
+
+    def __init__(self, outputs: Sequence[str], sources: npt.NDArray[np.str_], capacity: int) -> None:
+        self._arrays = [[GrowingArray(np.empty(0), capacity) for _ in sources] for _ in outputs]
+
+    def add(self, parts: FloatArray) -> None:
+        """Add those of some contacts."""
+        for arrays, output in zip(self._arrays, np.swapaxes(parts, 0, 1), strict=True):
+            for array, part in zip(arrays, output.T, strict=True):
+                array.add(part)
+
+    def __getitem__(self, places_and_output: tuple[Indices, int]) -> FloatArray:
+        """Return those of some contacts to one output."""
+        places, output = places_and_output
+        return np.stack([array.array[places] for array in self._arrays[output]], axis=-1)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rows:
     """All rows of a study, with what pooling needs."""
 
     table: pd.DataFrame  # one row per observation and frame, in the manifest's order
     pooled: Indices  # indices in `table` of the rows that count in pooled radii, ascending
-    parts: FloatArray  # signed contributions to the uncertainty of their radii, as `Modelled` has them
+    parts: Parts  # signed contributions to the uncertainty of their radii, as `Modelled` has them
     # standard uncertainty of the elongation ln(ℓd/ℓe) of each contact ellipse, with repeatability
     elongation_std: FloatArray
-    # signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
-    # for rows without them; no rows where no finger has a thickness
-    layer_parts: FloatArray
+    # the same to that of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN for rows without them
+    layer_parts: Parts
     # by the values of `PLACEMENT`; without those at which nothing counts
     highest_load: dict[PlacementKey, HighestLoad]
     # the same among contacts on a layer, in the range of its laws
@@ -77,12 +96,11 @@ def model_contacts(
 
     What was seen is gone through once, in the manifest's order, and no more than a batch is held.
     """
-    stream = iter(seen)
-    pooled = GrowingArray(np.empty(0, dtype=np.intp))
-    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
-    elongation_std = GrowingArray(np.empty(0))
-    layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
-    layered = any(finger.effective_thickness is not None for finger in fingers.values())
+    stream, capacity = iter(seen), length_hint(seen)
+    pooled = GrowingArray(np.empty(0, dtype=np.intp), capacity)
+    parts = Parts(POOLED_OUTPUTS, PART_SOURCES, capacity)
+    elongation_std = GrowingArray(np.empty(0), capacity)
+    layer_parts = Parts(POOLED_ON_LAYER, LAYER_PART_SOURCES, capacity)
     highest_load: dict[PlacementKey, HighestLoad] = {}
     highest_on_layer: dict[PlacementKey, HighestLoad] = {}
 
@@ -97,18 +115,17 @@ def model_contacts(
             parts.add(done.modelled.parts[counts])
             elongation = done.inputs.places(["elongation", "elongation_deviation"])
             elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
-            if layered:
-                layer_parts.add(done.layer_parts[counts])
+            layer_parts.add(done.layer_parts[counts])
             done.weigh(highest_load, counts)
             done.weigh(highest_on_layer, counts & done.on_layer)
             start += len(batch)
 
     return Rows(
-        table=table_of(modelled(), read_only=True),
+        table=table_of(modelled(), read_only=True, capacity=capacity),
         pooled=pooled.array,
-        parts=parts.array,
+        parts=parts,
         elongation_std=elongation_std.array,
-        layer_parts=layer_parts.array,
+        layer_parts=layer_parts,
         highest_load=highest_load,
         highest_on_layer=highest_on_layer,
     )

@@ -271,40 +271,38 @@ DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if colum
 Row: TypeAlias = dict[str, Any]
 Indices: TypeAlias = npt.NDArray[np.intp]
 
-_AT_ONCE: Final = 1000
+_AT_ONCE: Final = 500
 
 
 def table_of(
-    batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] = COLUMNS, *, read_only: bool = False
+    batches: Iterable[Mapping[str, ColumnArray]],
+    names: Iterable[str] = COLUMNS,
+    *,
+    read_only: bool = False,
+    capacity: int = 0,
 ) -> pd.DataFrame:
     """Return a table of batches of rows, given by column; a column that is not given is not known.
 
-    One that is read only takes half of the memory in most studies: of what no row knows it holds one item.
+    One that is read only takes half of the memory in most studies: what all rows share is held once.
     """
-    size, known, words = 0, dict[str, GrowingArray](), dict[str | None, str | None]()
+    size, words = 0, dict[str | None, str | None]()
+    growing = {name: GrowingArray(column.unknown(0), capacity) for name, column in COLUMNS.items()}
     for batch in batches:
         more = len(next(iter(batch.values())))
         for name, column in COLUMNS.items():
             array = batch.get(name)
             if array is None or column.is_unknown(array):
                 array = column.unknown(more)
-            elif name not in known:
-                known[name] = GrowingArray(column.unknown(size))
-            if name in known:
-                if column.dtype == "text":  # each word is kept once
-                    array = column.array(words.setdefault(word, word) for word in array)
-                known[name].add(array)
+            elif column.dtype == "text" and name != "observation":  # each word is kept once
+                array = column.array(words.setdefault(word, word) for word in array)
+            growing[name].add(array)
         size += more
     # With one index, pandas need not align the columns, which takes longer than the model of a contact.
     index = pd.RangeIndex(size)
     columns = {}
     for name in names:
-        column = COLUMNS[name]
-        if name in known:
-            array = known[name].array
-        else:
-            array = np.broadcast_to(column.unknown(1), size) if read_only else column.unknown(size)
-        columns[name] = column.series(array, index)
+        array = growing[name].array
+        columns[name] = COLUMNS[name].series(array if read_only else np.require(array, None, "W"), index)
     return pd.DataFrame(columns, index=index, copy=False)
 
 
@@ -318,24 +316,46 @@ def with_areas(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 class GrowingArray:
-    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
+    """An array that is added to at its end, in place: lists of parts would be held twice when joined.
 
-    def __init__(self, first: ColumnArray) -> None:
-        self._array, self._size = first, len(first)
+    As long as all its items are the same, it holds one. Room for `capacity` items is set aside when they are
+    not; what is not used of it takes no memory.
+    """
+
+    def __init__(self, empty: ColumnArray, capacity: int = 0) -> None:
+        self._array, self._size, self._capacity = empty, 0, capacity
 
     def add(self, more: ColumnArray) -> None:
         """Add items."""
-        size = self._size + len(more)
-        if size > len(self._array):
-            self._array.resize((max(size, len(self._array) * 5 // 4), *more.shape[1:]), refcheck=False)
-        self._array[self._size : size] = more
-        self._size = size
+        before, self._size = self._size, self._size + len(more)
+        if before == 0:
+            self._array = more[:1].copy()
+        if len(self._array) <= 1:
+            if _all_are(more, self._array):
+                return
+            same, room = self._array, max(self._size, self._capacity)
+            self._array = np.empty((room, *more.shape[1:]), dtype=more.dtype)
+            self._array[:before] = same
+        elif self._size > len(self._array):
+            room = max(self._size, len(self._array) * 5 // 4)
+            self._array.resize((room, *more.shape[1:]), refcheck=False)
+        self._array[before : self._size] = more
 
     @property
     def array(self) -> ColumnArray:
-        """All items; nothing can be added to them any more."""
-        self._array.resize((self._size, *self._array.shape[1:]), refcheck=False)
+        """All items, read only where they are the same; nothing can be added to them any more."""
+        shape = (self._size, *self._array.shape[1:])
+        if len(self._array) <= 1:
+            return np.broadcast_to(self._array, shape)
+        self._array.resize(shape, refcheck=False)
         return self._array
+
+
+def _all_are(array: ColumnArray, one: ColumnArray) -> bool:
+    """Return whether all items are the same, to the bit: 0 and −0 are not, NaN and NaN are."""
+    if array.dtype == float:
+        array, one = array.view(np.int64), one.view(np.int64)
+    return bool((array == one).all())
 
 
 def items(column: pd.Series) -> list[Any]:
@@ -370,10 +390,11 @@ def first_record(table: pd.DataFrame) -> Row | None:
 
 def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Indices]:
     """Return the places of rows with the same values in some columns, in the order of coming."""
-    places: dict[tuple[Any, ...], list[int]] = {}
-    for place, values in enumerate(zip(*(items(table[name]) for name in names), strict=True)):
-        places.setdefault(values, []).append(place)
-    return {values: np.array(some) for values, some in places.items()}
+    number = table.groupby([*names], sort=False, dropna=False).ngroup().to_numpy()
+    order = np.argsort(number, kind="stable")
+    places = np.split(order, np.flatnonzero(np.diff(number[order])) + 1) if len(table) else []
+    firsts = records(table.iloc[[some[0] for some in places]], *names)
+    return {tuple(first.values()): some for first, some in zip(firsts, places, strict=True)}
 
 
 def numbered(items: Iterable[Hashable]) -> Indices:
