@@ -59,7 +59,7 @@ QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
     },
     f"{STUDY}/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
     f"{STUDY}/results/rows": ({}, {"sort": "load_N", "status": "measured"}, {"sort": "-reason", "text": "a"}),
-    f"{STUDY}/results/plot": ({}, {"finger": "synthetic_pad"}),
+    f"{STUDY}/results/plot": ({},),
     f"{STUDY}/download/{{path}}": ({"path": "results.csv"}, {"path": "study.zip"}, {"path": "figures/x.svg"}),
 }
 # They cost much, whatever the study says: asked of some studies only.

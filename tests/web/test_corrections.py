@@ -64,7 +64,6 @@ def test_the_state_shows_reviews(client):
     state = client.ask("state")
     one = next(one for one in state["observations"] if one["item"] == PRINT)
     assert (one["accepted"], one["corrected"], one["rejected"], one["who"]) == (True, False, None, "ada")
-    assert (state["sequences"][0]["rejected"], state["sequences"][0]["reviewed"]) == (1, 1)
     photograph = state["fingers"][2]["photographs"][0]
     assert (photograph["rejected"], photograph["corrected"]) == ("nail in view", True)
     frames = client.ask("frames", sequence="synthetic_press_30deg")["frames"]

@@ -159,9 +159,8 @@ def test_a_removed_file_is_restored(client, studies_folder):
     removed = []
     for level in (1, 2, 3):  # of one name each time
         assert upload(client, "a.png", png(level=level)).json()["file"] == "uploads/a.png"
-        answer = remove("uploads/a.png").json()
-        assert "uploads/a.png" not in {file["file"] for file in answer["files"]}
-        removed.append(answer["removed"])
+        removed.append(remove("uploads/a.png").json()["removed"])
+        assert "uploads/a.png" not in {file["file"] for file in client.ask("state")["files"]}
     assert not (folder / "a.png").exists()
     names = [restore(number).json()["restored"] for number in removed]
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a-3.png"]

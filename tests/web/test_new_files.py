@@ -71,7 +71,7 @@ def test_edits_are_proposed_and_can_be_made(client) -> None:
     reading = next(one["reading"] for one in state["files"] if one["file"] == file)
     assert (reading["finger"], reading["load_N"]) == ("left_index", 0.5)
     scale = client.ask("files/scale", words="500")["scale"]
-    asked = {"files": [{"file": file, "scale": scale, **reading}, {"file": "uploads/a.png", "use": "curve"}]}
+    asked = {"files": [reading | {"scale": scale}, {"file": "uploads/a.png", "use": "curve"}]}
     found = client.study_post("files/edits", **asked).raise_for_status().json()
     assert (found["added"], found["waiting"]) == (1, ["uploads/a.png"])
     body = {"expected": state["digest"], "edits": found["edits"]}

@@ -39,7 +39,7 @@ def contact_rows(table: pd.DataFrame) -> dict[str, Row]:
 def frame_rows(table: pd.DataFrame, sequence: str) -> dict[int, Row]:
     """Return what the page lists of a sequence's frames, by their numbers."""
     frames = table[(table["sequence"] == sequence) & table["frame"].notna()]
-    columns = ("frame", "status", "flags", "pooled", *FRAME_COLUMNS)
+    columns = ("frame", "status", "flags", *FRAME_COLUMNS)
     return {row["frame"]: row for row in records(frames, *columns)}
 
 

@@ -86,7 +86,6 @@ class Workspace:
             "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
             "plotly": PLOTLY_ADDRESS,
-            "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
             "glossary": GLOSSARY,
             "rules": _RULES,
         }

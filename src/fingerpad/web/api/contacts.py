@@ -1,7 +1,6 @@
 """Contact images measured under corrections: prepared once, then measured in milliseconds."""
 
 import math
-import time
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
@@ -141,7 +140,6 @@ class ContactMeasurement(Answer):
     flags: list[str]
     pooling: ContactPooling | None
     mm_per_px: float
-    milliseconds: float
 
 
 class ContactLevels(Answer):
@@ -171,7 +169,6 @@ class ContactParams(Params):
 @router.post("/measure/contact")
 def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
-    began = time.perf_counter()
     image = _Image.of(opened, params)
     change = params.change or image.correction()
     seen = measured_under(image.prepared(change), change)
@@ -194,7 +191,6 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
         flags=[*doubts_of(seen), *image.found.flags],
         pooling=model and image.pooling(measured, model),
         mm_per_px=image.found.scale.mm_per_px,
-        milliseconds=1000 * (time.perf_counter() - began),
     )
 
 

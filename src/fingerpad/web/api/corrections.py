@@ -60,7 +60,6 @@ class SimilarImage(Answer):
 class SimilarImages(Answer):
     """The settings of an image's correction, and the images that they may apply to."""
 
-    item: str
     settings: dict[str, Any]
     images: list[SimilarImage]
 
@@ -201,7 +200,7 @@ def similar(opened: Opened, params: Query[ItemParams]) -> SimilarImages:
             )
         )
     settings = with_settings_of(source, ContactCorrection()).as_json()
-    return SimilarImages(item=params.item, settings=settings, images=images)
+    return SimilarImages(settings=settings, images=images)
 
 
 @router.get("/second-operator")

@@ -28,7 +28,7 @@ from fingerpad.study.imports.names import FileKind
 from fingerpad.study.share import unpack
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Body, Here, Opened, Params, Query, api_router, study_router
-from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore, state_of
+from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_sequence, kind_of_file
 from fingerpad.web.study_session import StudySession
@@ -81,6 +81,18 @@ class RestoreParams(Params):
     """Number of a removed file."""
 
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
+
+
+class Removal(Answer):
+    """The number by which a removed file can be restored."""
+
+    removed: str
+
+
+class Restoration(Answer):
+    """The name of a restored file."""
+
+    restored: str
 
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
@@ -147,7 +159,7 @@ async def import_study(workspace: Here, params: Query[ImportParams], request: Re
 
 
 @router.delete("/files")
-def remove(opened: Opened, params: Body[RemoveParams]) -> StateAfterRemoval:
+def remove(opened: Opened, params: Body[RemoveParams]) -> Removal:
     """Move an uploaded file that is not used into a hidden folder."""
     path = opened.file(params.file)
     named = opened.read().files()
@@ -162,11 +174,11 @@ def remove(opened: Opened, params: Body[RemoveParams]) -> StateAfterRemoval:
     kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
     kept.parent.mkdir(parents=True)
     path.rename(kept)
-    return StateAfterRemoval(**dict(state_of(opened)), removed=number)
+    return Removal(removed=number)
 
 
 @router.post("/files/restore")
-def restore(opened: Opened, params: Body[RestoreParams]) -> StateAfterRestore:
+def restore(opened: Opened, params: Body[RestoreParams]) -> Restoration:
     """Restore a removed file, under another name if its own is taken."""
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)
@@ -176,8 +188,7 @@ def restore(opened: Opened, params: Body[RestoreParams]) -> StateAfterRestore:
     target.parent.mkdir(parents=True, exist_ok=True)
     back = placed(kept, target)
     shutil.rmtree(home, ignore_errors=True)
-    restored = back.relative_to(opened.folder).as_posix()
-    return StateAfterRestore(**dict(state_of(opened)), restored=restored)
+    return Restoration(restored=back.relative_to(opened.folder).as_posix())
 
 
 def plain_name(name: str) -> str:

@@ -17,15 +17,12 @@ _NO_CACHE: Final = {"cache-control": "private, no-cache"}
 
 
 class PictureInfo(Answer):
-    """Size and depth of a picture, and the addresses of its previews."""
+    """Size and depth of a picture, and the address of its preview."""
 
-    item: str
     rows_px: int
     columns_px: int
     bits: int
-    resolution_ppi: float | None
     preview: str
-    thumbnail: str
 
 
 class PictureParams(Params):
@@ -43,20 +40,17 @@ class PreviewParams(PictureParams):
 
 @router.get("/picture/info")
 def info(opened: Opened, params: Query[PictureParams]) -> PictureInfo:
-    """Return the size of an image and the addresses of its previews."""
+    """Return the size of an image and the address of its preview."""
     place = opened.image_location(params.item)
     is_frame = place.colour and is_sequence(place.path)
     picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
     query = urlencode({"item": params.item, "v": version(place)})
     return PictureInfo(
-        item=params.item,
         rows_px=rows,
         columns_px=columns,
         bits=8 * picture.pixels.itemsize,
-        resolution_ppi=picture.dots_per_inch,
         preview=opened.address(f"/picture/preview?{query}"),
-        thumbnail=opened.address(f"/picture/thumbnail?{query}"),
     )
 
 

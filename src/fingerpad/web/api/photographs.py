@@ -1,7 +1,6 @@
 """Photographs of a finger's faces, measured under corrections, and their combination."""
 
 import math
-import time
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final, Literal
@@ -21,7 +20,7 @@ from fingerpad.image import (
 )
 from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
-from fingerpad.study.corrections.changes import PhotographCorrection
+from fingerpad.study.corrections.changes import ManualFaceEllipse, PhotographCorrection
 from fingerpad.study.corrections.items import is_rejected
 from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import (
@@ -48,20 +47,12 @@ _outline_radii: Final = lru_cache(maxsize=60)(outline_radii)  # once for each fi
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
-class FaceEllipse(Answer):
-    """The ellipse of a face."""
-
-    centre: Point
-    semi_axes: Point
-    tilt_deg: float
-
-
-class FaceHandles(Answer):
+class Handles(Params):
     """Where the handles of a face's ellipse are."""
 
-    centre_px: Point
-    across_end_px: Point
-    along_end_px: Point
+    centre_px: PointParam
+    across_end_px: PointParam
+    along_end_px: PointParam
 
 
 class FaceAxes(Answer):
@@ -88,7 +79,6 @@ class CombinedFaces(Answer):
     degrees_of_freedom: int
     p_words: str
     disagree: bool
-    between_relative_std: float
     disagreements: list[FaceDifference]
 
 
@@ -103,12 +93,10 @@ class SideRadius(Answer):
 class PhotographMeasurement(FaceAxes):
     """A photograph measured under a correction; the terms of its uncertainty in words."""
 
-    item: str
     by: MeasuredBy
-    face: Face
     axes: list[Axis]
-    ellipse_px: FaceEllipse
-    handles: FaceHandles
+    ellipse_px: ManualFaceEllipse
+    handles: Handles
     points_px: list[Point]
     outliers_px: list[Point]
     uncertainty_words: dict[Axis, str]
@@ -121,15 +109,6 @@ class PhotographMeasurement(FaceAxes):
     automatic: FaceAxes | None
     finger: CombinedFaces | None
     finger_error: str | None
-    milliseconds: float
-
-
-class Handles(Params):
-    """The handles of an ellipse."""
-
-    centre_px: PointParam
-    across_end_px: PointParam
-    along_end_px: PointParam
 
 
 class PhotographParams(Params):
@@ -146,7 +125,6 @@ class PhotographParams(Params):
 @router.post("/measure/photograph")
 def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasurement:
     """Measure a photograph under a correction; nothing is stored."""
-    began = time.perf_counter()
     finger, photograph = _table(opened, params)
     change = params.change or photograph_correction(opened.corrections.active_correction(params.item))
     fit = _fit(opened, params.item, photograph, change, params.handles)
@@ -165,11 +143,10 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
     tilt, size = math.degrees(fit.tilt), fit.scale.mm_per_px
     return PhotographMeasurement.of(
         fit,
-        item=params.item,
         by="manual" if manual else "corrected" if edited else "automatic",
         axes=FACE_AXES[fit.face],
-        ellipse_px=FaceEllipse.of(centre=fit.centre, semi_axes=fit.semi_axes / size, tilt_deg=tilt),
-        handles=FaceHandles.of(centre_px=centre, across_end_px=across, along_end_px=along),
+        ellipse_px={"centre": fit.centre, "semi_axes": fit.semi_axes / size, "tilt_deg": tilt},
+        handles={"centre_px": centre, "across_end_px": across, "along_end_px": along},
         points_px=fit.points.round(2),
         outliers_px=fit.outliers.round(2),
         uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
@@ -181,7 +158,6 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
         automatic=automatic and FaceAxes.of(semi_axes_mm=_axes(automatic)),
         finger=together,
         finger_error=error,
-        milliseconds=1000 * (time.perf_counter() - began),
     )
 
 

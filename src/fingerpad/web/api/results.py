@@ -281,22 +281,12 @@ def _column(column: Column) -> ColumnEntry:
     )
 
 
-class PlotParams(Params):
-    """A finger."""
-
-    finger: str | None = None
-
-
 @router.get("/results/plot")
-def plot(opened: Opened, params: Query[PlotParams]) -> list[PlottedGroup]:
+def plot(opened: Opened) -> list[PlottedGroup]:
     """Return the data to plot for each finger and placement."""
     found = require_results(opened)
     active = opened.corrections.active_corrections()
-    return [
-        _group(one, found.table, active)
-        for one in found.summary.summaries
-        if params.finger in {None, one.finger}
-    ]
+    return [_group(one, found.table, active) for one in found.summary.summaries]
 
 
 def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:

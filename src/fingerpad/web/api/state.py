@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, TypeAlias, get_args
+from typing import Annotated, Any, TypeAlias, get_args
 
 import numpy as np
 from pydantic import (
@@ -27,10 +27,9 @@ from fingerpad.study.corrections.items import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
     ActiveCorrection,
-    frames_of,
     is_rejected,
 )
-from fingerpad.study.editing.propose import Use, named_file
+from fingerpad.study.editing.propose import NewFile, named_file
 from fingerpad.study.editing.scales import scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.names import FileKind
@@ -40,7 +39,6 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
-from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Face, Quantity, SemiAxes, Status
 from fingerpad.web.api.base import Opened, Params, Query, study_router
@@ -102,8 +100,6 @@ class PhotographEntry(Review):
     face: StatedFace
     scale: StatedScale
     scale_words: str
-    tip: Text
-    palmar_side: Text
     synthetic: bool
 
 
@@ -132,7 +128,6 @@ class ObservationEntry(Review):
     scale: StatedScale
     scale_words: str
     file: Text
-    notes: str
     surface: Surface
     synthetic: bool
     status: Status
@@ -157,10 +152,6 @@ class SequenceEntry(Answer):
     synthetic: bool
     status: Status
     frames: int | None
-    flags: dict[str, int]
-    corrected: int
-    rejected: int
-    reviewed: int
     complete: bool
 
 
@@ -178,31 +169,14 @@ class CurveEntry(Answer):
     reason: str | None
 
 
-class FileReading(Answer):
-    """What the name of a file says; empty or null where it says nothing or could mean two things."""
-
-    use: Use
-    finger: str
-    face: Face | None
-    wedge_angle_deg: float | None
-    load_N: float | None  # noqa: N815
-
-
 class FileEntry(Answer):
-    """A file of the study folder; what its name says where the study does not use it."""
+    """A file of the study folder; where the study does not use it, what its name says."""
 
     file: str
     kind: FileKind
     bytes: int
     used: bool
-    reading: FileReading | None
-
-
-class Descriptions(Answer):
-    """Descriptions of flags, by what is flagged and their codes, and of columns."""
-
-    flags: dict[str, dict[str, Flag]]
-    columns: dict[str, str]
+    reading: NewFile | None
 
 
 class Counts(Answer):
@@ -226,7 +200,10 @@ class ResultsStatus(Answer):
 
 
 class State(Answer):
-    """The state of a study; `stated` are the keys of `uncertainty` that its manifest holds."""
+    """The state of a study, and flags by what is flagged and their codes.
+
+    `stated` are the keys of `uncertainty` that its manifest holds.
+    """
 
     name: str
     title: str
@@ -248,22 +225,10 @@ class State(Answer):
     sequences: list[SequenceEntry]
     curves: list[CurveEntry]
     files: list[FileEntry]
-    words: Descriptions
+    flags: dict[str, dict[str, Flag]]
     counts: Counts
     run: RunStatus
     results: ResultsStatus
-
-
-class StateAfterRemoval(State):
-    """The state of a study, and the number by which the removed file can be restored."""
-
-    removed: str
-
-
-class StateAfterRestore(State):
-    """The state of a study, and the name of the restored file."""
-
-    restored: str
 
 
 class FrameEntry(Review):
@@ -280,7 +245,6 @@ class FrameEntry(Review):
     measured_indentation_mm: float | None
     gross_area_mm2: float | None
     aspect_ratio: float | None
-    pooled: bool
     interpolated: bool
 
 
@@ -289,12 +253,6 @@ class Frames(Answer):
 
     total: int
     frames: list[FrameEntry]
-
-
-_WORDS: Final = Descriptions(
-    flags={kind: dict(flags) for kind, flags in FLAGS.items()},
-    columns={name: column.meaning for name, column in COLUMNS.items()},
-)
 
 
 def state_of(opened: StudySession) -> State:
@@ -326,7 +284,7 @@ def state_of(opened: StudySession) -> State:
         sequences=[known.sequence(*one) for one in known.tables("sequence")],
         curves=known.curves(),
         files=_files(opened),
-        words=_WORDS,
+        flags=FLAGS,
         counts={name: counts[name] for name in ("done", "failed", "stale", "left")}
         | {"total": len(known.states)},
         run=opened.run_job.describe(),
@@ -433,7 +391,6 @@ class _Known:
                 self.stated(table, complete=complete),
                 **review_record(self.active.get(name)),
                 item=name,
-                notes=notes if isinstance(notes := table.get("notes"), str) else "",
                 status="given" if "ellipse_mm" in table else self.status(name),
                 flags=(seen.get(name, {}).get("flags") or "").split(),
                 reason=seen.get(name, {}).get("reason"),
@@ -442,18 +399,12 @@ class _Known:
         ]
 
     def sequence(self, name: str, table: dict[str, Any], complete: bool) -> SequenceEntry:
-        rows = frame_rows(self.found.table, name).values() if self.found else ()
-        of_frames = frames_of(self.active, name).values()
         file = table.get("file")
         return SequenceEntry.of(
             self.stated(table, complete=complete),
             name=name,
             status=self.states.get(name, "left"),
             frames=self.opened.count_frames(file) if isinstance(file, str) else None,
-            flags=Counter(flag for row in rows for flag in (row["flags"] or "").split()),
-            corrected=sum(bool(one.change.edits) for one in of_frames),
-            rejected=sum(one.change.rejected is not None for one in of_frames),
-            reviewed=len(of_frames),
         )
 
     def curves(self) -> list[CurveEntry]:
@@ -506,7 +457,7 @@ def _files(opened: StudySession) -> list[FileEntry]:
             return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=None)
         if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
             kind = "sequence"
-        reading = FileReading.of(named_file(name, kind, fingers))
+        reading = named_file(name, kind, fingers)
         return FileEntry.of(file=name, kind=kind, bytes=size, used=False, reading=reading)
 
     return [entry(name, status.st_size) for name, status in opened.files().items()]
@@ -544,7 +495,6 @@ def frames(opened: Opened, params: Query[FramesParams]) -> Frames:
             frame=number,
             status=row.get("status", "none"),
             flags=(row.get("flags") or "").split(),
-            pooled=bool(row.get("pooled")),
             interpolated=correction is not None and isinstance(correction.change, InterpolatedCorrection),
         )
 

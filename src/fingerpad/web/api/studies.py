@@ -35,13 +35,6 @@ class StudyName(Answer):
     title: str | None
 
 
-class Limits(Answer):
-    """What can be uploaded."""
-
-    upload_bytes: int
-    picture_memory_bytes: int
-
-
 class EntryRules(Answer):
     """What can be entered: patterns of names and numbers, uses of files, scales, signs of verdicts.
 
@@ -69,7 +62,6 @@ class Session(Answer):
     studies: list[StudyName]
     who: str
     plotly: str
-    limits: Limits
     glossary: dict[str, Symbol]
     rules: EntryRules
 

@@ -248,7 +248,7 @@ export const PHOTOGRAPH_FLAGS = ["photograph", "scale"];
 
 /** What a flag or note means, and what to do about it, of the first kinds of things flagged that know it. */
 function flagOf(code, kinds) {
-  const flags = workspace.study?.words?.flags;
+  const flags = workspace.study?.flags;
   return kinds.map((kind) => flags?.[kind]?.[code]).find(Boolean);
 }
 

@@ -74,7 +74,7 @@ export class NewFiles {
     const uploaded = unused.filter(({ file }) => file.startsWith("uploads/"));
     for (const each of uploaded) {
       const { file, kind, reading } = each;
-      if (!this.drafts.has(file)) this.drafts.set(file, { file, guessed: [], scale: "", ...reading });
+      if (!this.drafts.has(file)) this.drafts.set(file, { ...reading });
       if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       // Which scale may hold changes with the scales of the study.
       const looked = `${file} ${scaleNames().join()}`;

@@ -40,7 +40,7 @@ export class Table {
       .map((wedge) => [String(wedge), `${wedge}°`]);
     const names = study.fingers.map(({ name }) => name);
     const flags = ["contact", "scale", "frame"]
-      .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
+      .flatMap((kind) => Object.keys(study.flags[kind]))
       .map((code) => [code, code.replaceAll("_", " ")]);
     const filter = (label, key, none, options) =>
       choiceField(label, { options: [["", none], ...options], onset: set(key) });
