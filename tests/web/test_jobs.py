@@ -17,6 +17,7 @@ from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving
 from typer.testing import CliRunner
 
+from fingerpad._files import sha256_of
 from fingerpad.cli import app
 from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
@@ -432,14 +433,14 @@ def test_a_download_can_be_saved_under_its_name(done):
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
 
 
-def test_pages_of_fingers_stand_beside_the_report(studies_folder):
-    page = studies_folder / "demo" / "results" / "report" / "left_index.html"
+def test_pages_of_fingers_stand_beside_the_report(finished_client, finished):
+    page = finished / "results" / "report" / "left_index.html"
     page.parent.mkdir(parents=True)
     page.write_text("<!doctype html>")
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
-    with serving(workspace) as client:
-        answer = client.study_get("download/report/left_index.html")
+    assert finished_client.study_get("download/report/left_index.html").status_code == 404
+    with (finished / "results" / "SHA256SUMS").open("a") as sums:
+        sums.write(f"{sha256_of(page)}  report/left_index.html\n")
+    answer = finished_client.study_get("download/report/left_index.html")
     assert answer.text == "<!doctype html>"
     assert "default-src 'none'" in answer.headers["content-security-policy"]
 

@@ -17,9 +17,7 @@ from fingerpad.study.results.result_set import (
     result_set_faults,
     result_set_stamp,
 )
-from fingerpad.study.results.rows import PlacementKey
-from fingerpad.study.results.summary_file import HeadlineRecord
-from fingerpad.study.results.table import Row, first_record, records
+from fingerpad.study.results.table import Row, records
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
@@ -30,22 +28,11 @@ FRAME_COLUMNS: Final = (
 )
 
 
-def contact_rows(table: pd.DataFrame) -> dict[str, Row]:
-    """Return flags and reason of single contacts by their names."""
-    contacts = table[table["frame"].isna()]
-    return {row["observation"]: row for row in records(contacts, "observation", "flags", "reason")}
-
-
 def frame_rows(table: pd.DataFrame, sequence: str) -> dict[int, Row]:
     """Return what the page lists of a sequence's frames, by their numbers."""
     frames = table[(table["sequence"] == sequence) & table["frame"].notna()]
     columns = ("frame", "status", "flags", *FRAME_COLUMNS)
     return {row["frame"]: row for row in records(frames, *columns)}
-
-
-def item_row(table: pd.DataFrame, item: str) -> Row | None:
-    """Return the row of an item, None where it has none."""
-    return first_record(table[table["observation"] == item])
 
 
 # Results of studies that are open in several windows, or what is wrong with them.
@@ -55,15 +42,6 @@ _READ: Final[Cache[tuple[Results | None, list[str]]]] = Cache(3, lambda _: 1)
 def last_results(opened: StudySession) -> Results | None:
     """Return the tables of the last run, None if there are none or they are damaged."""
     return _reading(opened.out)[0]
-
-
-def last_headlines(opened: StudySession, placement: PlacementKey) -> dict[str, HeadlineRecord]:
-    """Return results with a verdict of the last run, by column; none where it has no such placement."""
-    found = last_results(opened)
-    for one in found.summary.summaries if found else ():
-        if one.key == placement:
-            return one.validity.headlines
-    return {}
 
 
 def results_faults(opened: StudySession) -> list[str]:

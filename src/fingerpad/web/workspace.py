@@ -1,6 +1,5 @@
 """The workspace: its studies, and those that are open."""
 
-import getpass
 import os
 import re
 import shutil
@@ -10,18 +9,11 @@ from importlib.metadata import version
 from itertools import chain, count
 from pathlib import Path
 from threading import RLock
-from typing import Any, Final
+from typing import Final
 
-import fingerpad
 from fingerpad.image import MEMORY_LIMIT
-from fingerpad.report.text import VERDICT_SYMBOLS
-from fingerpad.study.editing.edit import title_of
-from fingerpad.study.editing.propose import TAKES, USES
-from fingerpad.study.editing.scales import CARD, COINS, SCALE_WAYS
-from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
-from fingerpad.study.results.table import GLOSSARY
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Pictures
@@ -32,20 +24,6 @@ UPLOAD_LIMIT: Final = 4 * 2**30
 NAME: Final = r"^\w[\w.+-]{0,59}$"
 # The version changes the address, so that browsers may keep the script.
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
-
-_RULES: Final = {
-    # As NAME, in the regular expressions of browsers.
-    "name": r"[\p{L}\p{N}_][\p{L}\p{N}_.+\-]*",
-    "number": NUMBER,
-    "ambiguous": AMBIGUOUS,
-    "faces": FACES,
-    "uses": USES,
-    "takes": TAKES,
-    "scale_ways": SCALE_WAYS,
-    "coins": COINS,
-    "card": CARD,
-    "verdicts": VERDICT_SYMBOLS,
-}
 
 
 class Workspace:
@@ -67,7 +45,7 @@ class Workspace:
         self.upload_limit, self.import_limit, self.memory_limit = upload_limit, import_limit, memory_limit
         self.pictures = Pictures(memory_limit)
         self._open: dict[Path, StudySession] = {}
-        self._last: StudySession | None = None
+        self.last: StudySession | None = None  # that was opened last
         self._lock = RLock()
 
     def session(self, name: str) -> StudySession:
@@ -75,20 +53,6 @@ class Workspace:
         with self._lock:
             found = next((one for one in self._open.values() if one.name == name), None)
             return found or self._session(self._folder_of(name))
-
-    def describe(self) -> dict[str, Any]:
-        """Return the studies of the workspace and the one that was opened last."""
-        study = self._last
-        return {
-            "version": fingerpad.__version__,
-            "study": None if study is None else {"name": study.name, "title": study.study().title},
-            "workspace": self.workspace.name,
-            "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
-            "who": _login(),
-            "plotly": PLOTLY_ADDRESS,
-            "glossary": GLOSSARY,
-            "rules": _RULES,
-        }
 
     def studies(self) -> list[str]:
         """Return the names of the workspace's studies."""
@@ -111,8 +75,8 @@ class Workspace:
     def open_folder(self, folder: Path, out: Path | None = None) -> StudySession:
         """Open the study in a folder; others stay open."""
         with self._lock:
-            self._last = self._session(folder, out)
-            return self._last
+            self.last = self._session(folder, out)
+            return self.last
 
     def _session(self, folder: Path, out: Path | None = None) -> StudySession:
         folder = folder.absolute()
@@ -129,7 +93,7 @@ class Workspace:
     def close(self) -> None:
         """Close all studies; runs are stopped, and their finished measurements are kept."""
         with self._lock:
-            closed, self._open, self._last = list(self._open.values()), {}, None
+            closed, self._open, self.last = list(self._open.values()), {}, None
         for study in closed:
             study.close()
 
@@ -166,11 +130,3 @@ def name_of(title: str) -> str:
     letters = unicodedata.normalize("NFKD", title)
     plain = re.sub(r"[^A-Za-z0-9._]+", "-", re.sub(r"[\u0300-\u036f]", "", letters))
     return plain.strip("-.")[:56].rstrip("-") or "study"
-
-
-def _login() -> str:
-    """Return the user's login name, empty on systems without one."""
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError):
-        return ""

@@ -39,7 +39,7 @@ from fingerpad.study.measuring.contacts import (
 )
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
-from fingerpad.study.results.table import COLUMNS
+from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
 from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity
 from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
@@ -47,7 +47,7 @@ from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import item_row, known_finger, last_headlines, last_results
+from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession, contact_of_file
 
@@ -314,7 +314,9 @@ class _Image:
             return None
         study, loaded = self.opened.study(), replace(measured, load_N=load)
         row = model_contact(study, finger, self.contact, loaded, _MODEL_COLUMNS)
-        headlines = last_headlines(self.opened, tuple(row[name] for name in PLACEMENT))
+        placement, found = tuple(row[name] for name in PLACEMENT), last_results(self.opened)
+        summaries = found.summary.summaries if found else []
+        headlines = next((one.validity.headlines for one in summaries if one.key == placement), {})
         for name in HEADLINES:
             if (std := row[f"{name}_std"]) is not None:
                 relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
@@ -327,7 +329,7 @@ class _Image:
 
     def _load_of_frame(self) -> float | None:
         found = last_results(self.opened)
-        row = found and item_row(found.table, self.item)
+        row = found and first_record(found.table[found.table["observation"] == self.item])
         return row["load_N"] if row else None
 
     def pooling(self, measured: Measurement, model: ContactModel) -> ContactPooling | None:

@@ -1,7 +1,6 @@
 """Downloads: results of the last run, and the whole study as a ZIP."""
 
 import os
-import re
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -12,6 +11,7 @@ from fastapi import Response
 from starlette.background import BackgroundTask
 from starlette.responses import FileResponse
 
+from fingerpad.study.results.result_set import result_files
 from fingerpad.study.share import Bundle, LeftOut, pack
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, saved_as, study_router
@@ -22,18 +22,6 @@ from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
-_TABLES: Final = (
-    "report.html",
-    "results.csv",
-    "results_columns.csv",
-    "by_load.csv",
-    "repeatability.csv",
-    "second_operator.csv",
-    "results.json",
-    "summary.json",
-    "results.parquet",
-    "results.mat",
-)
 _TYPES: Final = {
     ".html": "text/html",
     ".csv": "text/csv",
@@ -41,9 +29,6 @@ _TYPES: Final = {
     ".svg": "image/svg+xml",
     ".png": "image/png",
 }
-_DRAWN: Final = re.compile(
-    r"(figures|overlays)/((photographs|sequences)/)?[^/\\\0]+\.(svg|png|json)|report/[^/\\\0]+\.html"
-)
 
 FilePath = Annotated[str, PathParameter(max_length=300)]
 
@@ -61,11 +46,9 @@ def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Res
     """Return a file of the results."""
     if path == "study.zip":
         return _zipped(opened)
-    if path not in _TABLES and not _DRAWN.fullmatch(path):
-        raise RequestError.not_there(f"no file {path[:80]!r} can be downloaded here")
     file = opened.out / path
-    if not file.is_file() or not file.resolve().is_relative_to(opened.out.resolve()):
-        raise RequestError.not_there(f"{path}: not there yet: run the study")
+    if path not in result_files(opened.out) or not file.resolve().is_relative_to(opened.out.resolve()):
+        raise RequestError.not_there(f"{path[:80]!r} is no file of the last run: run the study")
     require_file(opened, path)
     headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
     if attachment:

@@ -39,13 +39,13 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
+from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Face, Quantity, SemiAxes, Status
 from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import (
     FRAME_COLUMNS,
-    contact_rows,
     frame_rows,
     known_finger,
     last_results,
@@ -385,7 +385,10 @@ class _Known:
         )
 
     def observations(self) -> list[ObservationEntry]:
-        seen = contact_rows(self.found.table) if self.found else {}
+        seen: dict[str, Row] = {}
+        if self.found:
+            contacts = self.found.table[self.found.table["frame"].isna()]
+            seen = {one["observation"]: one for one in records(contacts, "observation", "flags", "reason")}
         return [
             ObservationEntry.of(
                 self.stated(table, complete=complete),

@@ -1,26 +1,30 @@
 """Create, open, edit and run studies, and hear what has changed."""
 
+import getpass
 import os
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from http import HTTPStatus
 from typing import Annotated
 
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from pydantic import Field
 
+import fingerpad
 from fingerpad.exceptions import EditConflict
-from fingerpad.study.editing.edit import Edit, create_study
-from fingerpad.study.editing.scales import KnownSize, ScaleWay
+from fingerpad.report.text import VERDICT_SYMBOLS
+from fingerpad.study.editing.edit import Edit, create_study, title_of
+from fingerpad.study.editing.propose import TAKES, USES, Use
+from fingerpad.study.editing.scales import CARD, COINS, SCALE_WAYS, KnownSize, ScaleWay
 from fingerpad.study.editing.template import write_example
-from fingerpad.study.imports.names import FileKind
+from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind
 from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.results.table import Symbol
+from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
-from fingerpad.web.workspace import NAME, name_of
+from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of
 
 router = study_router()
 here = api_router("/api")
@@ -41,29 +45,30 @@ class EntryRules(Answer):
     A number that fits `ambiguous` could be two.
     """
 
-    name: str
-    number: str
-    ambiguous: str
-    faces: list[Face]
-    uses: dict[FileKind, dict[str, str]]
-    takes: dict[str, list[str]]
-    scale_ways: dict[str, ScaleWay]
-    coins: list[KnownSize]
-    card: list[KnownSize]
-    verdicts: dict[str, str]
+    # As NAME, in the regular expressions of browsers.
+    name: str = r"[\p{L}\p{N}_][\p{L}\p{N}_.+\-]*"
+    number: str = NUMBER
+    ambiguous: str = AMBIGUOUS
+    faces: tuple[Face, ...] = FACES
+    uses: Mapping[FileKind, Mapping[Use, str]] = USES
+    takes: Mapping[Use, tuple[str, ...]] = TAKES
+    scale_ways: Mapping[str, ScaleWay] = SCALE_WAYS
+    coins: tuple[KnownSize, ...] = COINS
+    card: tuple[KnownSize, ...] = CARD
+    verdicts: Mapping[str, str] = VERDICT_SYMBOLS
 
 
 class Session(Answer):
     """What is open, what can be opened, symbols, rules of entries, and the address of Plotly's script."""
 
-    version: str
+    version: str = fingerpad.__version__
     study: StudyName | None
     workspace: str
     studies: list[StudyName]
     who: str
-    plotly: str
-    glossary: dict[str, Symbol]
-    rules: EntryRules
+    plotly: str = PLOTLY_ADDRESS
+    glossary: Mapping[str, Symbol] = GLOSSARY
+    rules: EntryRules = EntryRules()
 
 
 class NewParams(Params):
@@ -88,8 +93,24 @@ class RunParams(Params):
 
 @here.get("/session")
 def session(workspace: Here) -> Session:
-    """Return the studies of the workspace and the open one."""
-    return Session.of(**workspace.describe())
+    """Return the studies of the workspace and the one that was opened last."""
+    last = workspace.last
+    return Session.of(
+        study=last and {"name": last.name, "title": last.study().title},
+        workspace=workspace.workspace.name,
+        studies=[
+            {"name": name, "title": title_of(workspace.workspace / name)} for name in workspace.studies()
+        ],
+        who=_login(),
+    )
+
+
+def _login() -> str:
+    """Return the user's login name, empty on systems without one."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):
+        return ""
 
 
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
