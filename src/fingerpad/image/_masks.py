@@ -80,16 +80,16 @@ def distance_to(mask: BoolArray) -> Float32Array:
     """Return the distance of each pixel from the nearest set one."""
     if not mask.any():
         return np.full(mask.shape, np.inf, dtype=np.float32)
-    distance = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    distance = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     return np.asarray(distance, dtype=np.float32)
 
 
 def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     """Return the box round a mask with a margin, inside the picture."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    x, y, columns, rows = cv2.boundingRect(mask.view(np.uint8))
     return (
-        slice(max(0, int(rows[0]) - margin), int(rows[-1]) + margin + 1),
-        slice(max(0, int(columns[0]) - margin), int(columns[-1]) + margin + 1),
+        slice(max(0, y - margin), y + rows + margin),
+        slice(max(0, x - margin), x + columns + margin),
     )
 
 

@@ -213,7 +213,7 @@ def evenly_spaced(
 ) -> FloatArray:
     """Return points along an outline, about `spacing` apart."""
     path = np.concatenate([points, points[:1]]) if closed else points
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*(path[1:] - path[:-1]).T))])
     count = max(min_count, round(along[-1] / spacing))
     places = np.linspace(0, along[-1], count, endpoint=not closed)
     return np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
@@ -221,25 +221,29 @@ def evenly_spaced(
 
 def signed_area(points: FloatArray) -> float:
     """Return the area of a closed polygon (x, y), positive if it turns from x towards y."""
-    following = np.roll(points, -1, axis=0)
-    return float((points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]).sum()) / 2
+    following = shifted(points, 1)
+    return float(points[:, 0] @ following[:, 1] - following[:, 0] @ points[:, 1]) / 2
+
+
+def shifted(points: FloatArray, step: int) -> FloatArray:
+    """Return for each point of a closed outline the one so many steps further on."""
+    return np.concatenate([points[step:], points[:step]])
 
 
 def outward_normals(points: FloatArray, step: int = 1, *, closed: bool = True) -> FloatArray:
     """Return the outward unit normals of an outline, across the chord of so many steps to either side."""
-    if closed:
-        tangent = np.roll(points, -step, axis=0) - np.roll(points, step, axis=0)
-    else:
-        tangent = np.gradient(points, step, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
-    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
+    around = shifted(points, step) - shifted(points, -step)
+    tangent = around if closed else np.gradient(points, step, axis=0)
+    outward = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
+    length = np.maximum(np.hypot(*tangent.T), 1e-9)
+    return np.asarray(outward * (math.copysign(1.0, signed_area(points)) / length)[:, None])
 
 
 def polygon_moments(points: FloatArray) -> AreaMoments:
     """Return the moments of a closed polygon (x, y), in either direction (Green's theorem)."""
     origin = points.mean(axis=0)
     p = points - origin
-    q = np.roll(p, -1, axis=0)
+    q = shifted(p, 1)
     cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
     area = cross.sum() / 2
     centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, bounding_box, distance_to, largest_piece, longest_contour
+from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 # An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
@@ -20,7 +20,7 @@ _RIPPLE: Final = 4 / 255
 _MIN_CONVEXITY: Final = 0.96
 _MIN_STRAIGHTNESS: Final = 0.7
 _LONG_SIDE: Final = 0.2
-# By so much these limits are wider at a half and a quarter of the size, so that no card is missed.
+# By so much these limits are wider where letters may stick out of a card, and grain run into it.
 _SLACK: Final = 0.1
 # How far corners may be off, as a share of the longest side: a print in a small picture is not straightened.
 _BLUNTNESS: Final = 0.005
@@ -35,7 +35,9 @@ _BLOCK: Final = 1.35
 # Fewer quiet blocks than this show a level of the ground, but no slope; more than that are not needed.
 _MIN_QUIET: Final = 40
 _MAX_QUIET: Final = 300
-_SURFACE_ROUNDS: Final = 3
+_SURFACE_ROUNDS: Final = 2
+# Keeps the surface through few blocks defined.
+_TINY: Final = 1e-9 * np.eye(6)
 
 
 def without_added_border(
@@ -47,30 +49,28 @@ def without_added_border(
     """
     step = max(1, round(max(pixels.shape) / _BORDER_PX))
     small = pixels[::step, ::step].astype(np.float32)
-    corners = small[[0, 0, -1, -1], [0, -1, 0, -1]]
+    corners = np.sort(small[[0, 0, -1, -1], [0, -1, 0, -1]])
     low, high, _, _ = cv2.minMaxLoc(small)
-    level, width = float(np.median(corners)), _RIPPLE * (high - low)
+    level, width = float(corners[1:3].mean()), _RIPPLE * (high - low)
     if np.count_nonzero(np.abs(corners - level) <= width) >= 3:
         near = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
         opened = cv2.morphologyEx(near, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
         even = np.asarray(opened, dtype=np.uint8)
         enough = cv2.countNonZero(even) >= _MIN_BORDER * even.size
-        # A print on an even ground mostly shows at a quarter of the size already that it is no card.
-        if enough and all(_is_card(_card(even[::step, ::step]), _SLACK) for step in (4, 2)):
-            card = _card(even)
+        filled = np.pad(even, 1, constant_values=255)
+        cv2.floodFill(filled, None, (0, 0), 1)
+        card = np.asarray(filled[1:-1, 1:-1] != 1)
+        # A print on an even ground mostly shows that it is no card before grain and letters are looked at.
+        if enough and _is_card(card, _SLACK):
+            card = _plain_card(card)
             if _is_card(card):
-                return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
+                return cv2.resize(card.view(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
 
 
-def _card(even: UInt8) -> BoolArray:
+def _plain_card(card: BoolArray) -> BoolArray:
     """Return what an even border leaves: grain that runs into it closed, letters that stick out dropped."""
-    filled = np.pad(even, 1, constant_values=255)
-    cv2.floodFill(filled, None, (0, 0), 1)
-    card = np.asarray(filled[1:-1, 1:-1] != 1)
-    if not card.any():
-        return card
     # In a small picture a print must not be rounded into a polygon.
     scale = min(1.0, max(card.shape) / _BORDER_PX)
     grain, letter = _GRAIN_PX * scale, _LETTER_PX * scale
@@ -184,7 +184,7 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
         off = level - surface @ terms
         width = max(2 * quantile(np.abs(off[at_rim]), 0.5), 1e-6)
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
-        surface = np.linalg.solve(weighted @ terms.T + 1e-9 * np.eye(6), weighted @ level)
+        surface = np.linalg.solve(weighted @ terms.T + _TINY, weighted @ level)
     return as_float32(quadratic_surface(surface, means.shape))
 
 

@@ -6,14 +6,15 @@ from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, distance_to, longest_contour, sample
+from fingerpad.image._masks import UInt8, distance_to, longest_contour
 from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.ridges import Ridges
+from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
-from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals
+from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted
 
 _HALF_LEVEL: Final = 127.5
 # Amounts of ridge, of 255, are taken for no less.
@@ -22,6 +23,8 @@ _LITTLE: Final = 25.5
 # valley behind it.
 _FIRST_RIDGE: Final = 0.3
 _FIRST_VALLEY: Final = 0.8
+# How often the outline is moved to where the closed ridges fall through half.
+_ROUNDS: Final = 2
 # Samples across a band.
 _ACROSS: Final = 6
 # The amount of ridge is near half within so many levels, of 255.
@@ -110,27 +113,23 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     period = view.period
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = evenly_spaced(running_mean(contour, round(period / 2)))
+    normals = smooth_normals(points, period)
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(ridges.closed, grown)), (3, 3), 0))
-    normals = smooth_normals(points, period)
-    for _ in range(3):
-        value, inner, outer = _sample(
-            field, np.stack([points, points - 0.7 * normals, points + 0.7 * normals])
-        )
+    for _ in range(_ROUNDS):
+        value, inner, outer = _profiles(field, points, normals, (0.0, -0.7, 0.7))
         slope = (inner - outer) / 1.4
-        off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
+        off = ((value - _HALF_LEVEL) / np.maximum(slope, 10.0)).clip(-1, 1)
         points = points + normals * off[:, None]
-    points = evenly_spaced(running_mean(points, 2))
-    edge = even_edge(points, view)
-    depths = np.array([_FIRST_RIDGE, _FIRST_VALLEY])[:, None, None] * period
-    ridge, valley = _sample(as_float32(ridges.amount), points - edge.normals * depths)
+    edge = even_edge(evenly_spaced(running_mean(points, 2)), view)
+    depths = [-_FIRST_RIDGE * period, -_FIRST_VALLEY * period]
+    ridge, valley = _profiles(as_float32(ridges.amount), edge.points, edge.normals, depths)
     along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))
     # By what share the ridges' area would change if their level moved by the whole rise.
-    inside = patch.astype(np.uint8)
-    counts = cv2.calcHist([ridges.amount], [0], inside, [256], [0, 256]).ravel().astype(np.float64)
-    near_half = float(counts[128 - _RAMP // 2 : 128 + _RAMP // 2].sum())
-    softness = near_half * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
+    amount = ridges.amount[patch]
+    near_half = np.count_nonzero((amount >= HALF - _RAMP // 2) & (amount < HALF + _RAMP // 2))
+    softness = int(near_half) * 255 / _RAMP / max(int(np.count_nonzero(amount >= HALF)), 1)
     return replace(edge, along=along, softness=softness)
 
 
@@ -147,9 +146,10 @@ class FadeSigns(NamedTuple):
 
 def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> FadeSigns:
     """Return what shows how a contact ends at an outline of its closed ridges."""
-    depth = distance_to(~patch)
+    # A quarter of the pixels shows the interior.
+    depth = 2 * distance_to(~patch[::2, ::2])
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
-    interior = contact[deep].mean()
+    interior = contact[::2, ::2][deep].mean()
     ground, inside, outside, beyond, rim, near = _across(
         contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near
     )
@@ -196,8 +196,9 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
 
 def _across(field: Float32Array, edge: Edge, *bands: Band) -> FloatArray:
     """Return the levels in bands along an outline, (bands, across, along)."""
-    distances = np.concatenate([np.linspace(*band, _ACROSS) for band in bands]) * edge.period
-    levels = _sample(field, edge.points + edge.normals * distances[:, None, None])
+    low, high = np.array(bands).T
+    distances = low + np.linspace(0, 1, _ACROSS)[:, None] * (high - low)
+    levels = _profiles(field, edge.points, edge.normals, distances.T.ravel() * edge.period)
     return levels.reshape(len(bands), _ACROSS, -1)
 
 
@@ -220,8 +221,8 @@ def _sector_means(values: FloatArray) -> FloatArray:
 
 def point_spacings(points: FloatArray) -> FloatArray:
     """Return the length of a closed outline that each of its points stands for."""
-    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    return np.asarray((lengths + np.roll(lengths, 1)) / 2)
+    lengths = np.hypot(*(shifted(points, 1) - points).T)
+    return np.asarray((lengths + shifted(lengths, -1)) / 2)
 
 
 def running_mean(values: FloatArray, width: int) -> FloatArray:
@@ -236,9 +237,14 @@ def smooth_normals(points: FloatArray, period: float) -> FloatArray:
     return outward_normals(running_mean(points, round(period)), 2)
 
 
-def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
-    """Return the levels at points, (..., n, 2); zero outside the field."""
-    return sample(field, points, border=cv2.BORDER_CONSTANT).astype(np.float64)
+def _profiles(
+    field: Float32Array, points: FloatArray, normals: FloatArray, distances: npt.ArrayLike
+) -> FloatArray:
+    """Return the levels at distances outward of each point, (distances, points); zero outside the field."""
+    out = as_float32(distances)[:, None]
+    x, y = (as_float32(points[:, k]) + out * as_float32(normals[:, k]) for k in (0, 1))
+    levels = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+    return levels.astype(np.float64)
 
 
 def edge_shift(edge: Edge) -> float:

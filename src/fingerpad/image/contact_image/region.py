@@ -36,8 +36,9 @@ _MIN_PART: Final = 0.03
 # Patches smaller than this share of the largest, or less wide than so many periods, do not matter.
 _MIN_SHARE: Final = 0.1
 _MIN_WIDTH: Final = 3
-# Parts narrower than this share of the patch's width are not finger.
+# Parts narrower than this share of the patch's width are not finger; every third pixel shows widths.
 _APPENDAGE_RATIO: Final = 0.35
+_WIDTH_STEP: Final = 3
 # A patch wins by its area, less so the further off the centre.
 _OFF_CENTRE: Final = 0.7
 # Beside a patch of this share of the contact's area there are several.
@@ -70,7 +71,7 @@ def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) ->
 def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: View) -> int:
     """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
     if seed is None:
-        return int(np.argmax([_prominence(patch) for patch in patches]))
+        return int(np.argmax([_prominence(patch) for patch in patches])) if len(patches) > 1 else 0
     place = view.to_copy_pixel(*seed)
     for k, patch in enumerate(patches):
         if place is not None and patch[place]:
@@ -113,18 +114,18 @@ def _contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
 def _without_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
     box = bounding_box(patch, margin=2)
-    whole = patch[box]
-    # Half the pixels show widths well enough.
-    part, period = whole[::2, ::2], period / 2
-    inradius = float(distance_to(~np.pad(part, 1)).max())
+    whole = patch[box].view(np.uint8)
+    part, period = np.ascontiguousarray(whole[::_WIDTH_STEP, ::_WIDTH_STEP]), period / _WIDTH_STEP
+    inradius = float(distance_to(cv2.copyMakeBorder(part, 1, 1, 1, 1, cv2.BORDER_CONSTANT) == 0).max())
     radius = max(_APPENDAGE_RATIO * inradius, _OPENING_RADIUS * period)
     # The frame counts as patch, so that a cut patch keeps its corners.
     pad = math.ceil(radius) + 2
-    core = distance_to(~np.pad(part, pad, mode="edge")) > radius
+    padded = cv2.copyMakeBorder(part, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
+    core = distance_to(padded == 0) > radius
     near = (distance_to(core) <= radius + period)[pad:-pad, pad:-pad].astype(np.uint8)
     finger = cv2.resize(near, whole.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     plain = np.zeros_like(patch)
-    plain[box] = largest_piece(np.asarray(whole & finger))
+    plain[box] = largest_piece(patch[box] & finger)
     return plain
 
 

@@ -33,9 +33,12 @@ _PRIOR: Final = 0.03
 _MIN_RISE: Final = 0.3
 # Levels are taken from every other pixel where a period has more than so many.
 _LEAST_FOR_STEP: Final = 4
-# More pixels to a ridge period than this tell nothing more; directions, extremes and letters need fewer.
+# More pixels to a ridge period than this tell nothing more; the ridges' share needs fewer places.
 _MOST_PER_PERIOD: Final = 12
-_FEWER_PER_PERIOD: Final = 5
+_PLACES_PER_PERIOD: Final = 5
+_HALF_SIZE: Final = 2
+# So many places show how the levels of ridges are spread.
+_ENOUGH_PLACES: Final = 10_000
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
@@ -50,11 +53,9 @@ class Ridges:
 
     def median_level(self, patch: BoolArray) -> float:
         """Return the median level in a patch; it varies slowly, and some hundred places show it."""
-        rows, columns = (np.linspace(0, n - 1, min(n, 60)).astype(int) for n in self.level.shape)
-        size = (columns.size, rows.size)
-        inside = cv2.resize(patch.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-        some = self.level[np.ix_(rows, columns)]
-        return quantile(some[inside] if inside.any() else some.ravel(), 0.5)
+        size = self.level.shape[::-1]
+        inside = cv2.resize(patch.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+        return quantile(self.level[inside] if inside.any() else self.level.ravel(), 0.5)
 
 
 def find_ridges(view: View, threshold: float | None) -> Ridges:
@@ -133,47 +134,50 @@ def _closed(amount: UInt8, period: float) -> UInt8:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RidgeMap:
-    """Ridges in the box round a contact, at the resolution of the picture or a whole fraction of it."""
+    """Ridges in the box round a contact, at places some five to a ridge period."""
 
-    is_ridge: BoolArray  # (rows, columns); where ridges are
+    above: Float32Array  # (rows, columns); by how much each place exceeds the ridges' level; 0 and less: none
     inside: BoolArray  # (rows, columns); what is inside the outline
     corner: tuple[int, int]  # (row, column) of the box in the whole picture
-    step: int  # pixels of the picture in one of the map
+    step: int  # pixels of the picture that are one where the ridges are looked at, if it has very many
+    every: int  # how many of these lie between neighbouring places
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
     grain: float  # how much ridges vary along themselves, beyond noise and what is usual, of the rise
     clipped: float  # share of the valleys that the device shows as white, or as black where ridges are bright
     has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 
+    @property
+    def pitch(self) -> int:
+        """Pixels of the picture between neighbouring places."""
+        return self.step * self.every
+
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
-        """Return the ridges in a picture of this shape, none outside the box."""
-        whole = np.zeros(shape, dtype=bool)
-        fine = self.is_ridge.repeat(self.step, axis=0).repeat(self.step, axis=1)
-        row, column = self.corner
-        part = whole[row : row + fine.shape[0], column : column + fine.shape[1]]
-        part[:] = fine[: part.shape[0], : part.shape[1]]
-        return whole
+        """Return the ridges in a picture of this shape; outside the box they mean nothing."""
+        row, column = ((1 - self.step) / 2 - k for k in self.corner)
+        turn = np.array([[1, 0, column], [0, 1, row]]) / self.pitch
+        return np.asarray(_warped(self.above, turn, shape[::-1]) > 0)
 
     def area(self, smeared: BoolArray, view: View) -> tuple[float, float]:
         """Return the ridges' area inside the outline, and that of unresolved parts, px of the picture.
 
         `smeared` are the unresolved parts in the copy: half of them counts as ridge.
         """
-        ridges = self.is_ridge & self.inside
+        ridges = (self.above > 0) & self.inside
         known, unknown = int(np.count_nonzero(ridges)), 0
         if smeared.any():
-            turn = _to_copy(self.corner, self.step, view)
+            turn = _to_copy(self.corner, self.step, self.every, view)
             size = self.inside.shape[::-1]
             half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
             unknown = int(np.count_nonzero(half))
             known = int(np.count_nonzero(ridges & ~half))
-        return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
+        return (known + unknown / 2) * float(self.pitch**2), unknown * float(self.pitch**2)
 
     def border(self) -> float:
         """Return the length of the ridges' borders inside the outline, px of the picture.
 
         By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
         """
-        ridges = self.is_ridge & self.inside
+        ridges = (self.above > 0) & self.inside
         pairs = (
             (ridges[1:], ridges[:-1]),
             (ridges[:, 1:], ridges[:, :-1]),
@@ -181,17 +185,19 @@ class RidgeMap:
             (ridges[1:, :-1], ridges[:-1, 1:]),
         )
         down, across, *diagonal = (np.count_nonzero(one != other) for one, other in pairs)
-        return float(math.pi / 8 * (down + across + sum(diagonal) / math.sqrt(2)) * self.step)
+        return float(math.pi / 8 * (down + across + sum(diagonal) / math.sqrt(2)) * self.pitch)
 
 
 def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap:
     """Find the ridges inside an outline (x, y) of the copy, in the picture, where narrow ones are seen apart.
 
     Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
-    levels of the valleys and the ridges around.
+    levels of the valleys and the ridges around. Some five places to a period, each seen at the picture's own
+    resolution, tell the ridges' share as well as all pixels do.
     """
     period = view.period * view.step
     step = max(1, int(period // _MOST_PER_PERIOD))
+    every = max(1, round(period / step / _PLACES_PER_PERIOD))
     outline = view.to_picture(edge) - view.corner[::-1]
     low = np.maximum(np.floor(outline.min(axis=0) - period), 0).astype(int)
     high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.picture.shape[::-1]).astype(int)
@@ -200,64 +206,69 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     if step > 1:
         box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
     row, column = (int(k) for k in low[::-1] + view.corner)
-    turn = _to_copy((row, column), step, view)
-    turned = -box if view.dark_on_light else box
-    values = as_float32(turned - _warped(view.ground, turn, box.shape[::-1], cv2.INTER_LINEAR))
-    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape).view(bool)
+    turn = _to_copy((row, column), step, every, view)
+    few = np.ascontiguousarray(box[::every, ::every])
+    sign = np.float32(-1 if view.dark_on_light else 1)
+    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape)[::every, ::every] > 0
+    places = np.flatnonzero(inside)
+    places = places[:: max(1, places.size // _ENOUGH_PLACES)]
+    period /= step * every
+    values = as_float32(sign * few - _warped(view.ground, turn, few.shape[::-1]))
     level, grain, clipped = 0.5, 0.0, 0.0
     if threshold is not None:
         amount = as_float32(values / np.float32(2 * threshold))
+        within = amount.take(places)
     else:
-        means = _mean_along_ridges(values, period / step)
-        valley, rise = _local_levels(means, view.contrast, period / step)
+        # The ground is even over a ridge, and moves levels as much as what is compared with them.
+        means = as_float32(_mean_along_ridges(box, few, period, every) * sign)
+        valley, rise = _local_levels(means, view.contrast, period)
         amount = as_float32((means - valley) / rise)
-        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
+        within, seen = amount.take(places), few.take(places)
+        grain = _excess_grain((sign * seen - means.take(places)) / rise.take(places), within)
         # The share of valleys at the end of the range of 8 or 16 bits.
         end = float(box.max()) if view.dark_on_light else 0.0
-        valleys = inside & (amount < level)
         if end in {0.0, 255.0, 65535.0}:
-            clipped = int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
+            valleys = within < level
+            at_end = np.count_nonzero((seen == end) & valleys)
+            clipped = at_end / max(int(np.count_nonzero(valleys)), 1)
         level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
-    within = amount[inside]
-    if threshold is None:
         level += _blur_shift(within)
-    is_ridge = np.asarray(amount > level)
+    above = as_float32(amount - np.float32(level))
     return RidgeMap(
-        is_ridge=is_ridge,
+        above=above,
         inside=inside,
         corner=(row, column),
         step=step,
+        every=every,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
         clipped=clipped,
-        has_print=_has_print(values, is_ridge & inside, inside, period / step),
+        has_print=_has_print(values, (above > 0) & inside, inside, period),
     )
 
 
-def _to_copy(corner: tuple[int, int], step: int, view: View) -> FloatArray:
-    """Return the affine map from the map's pixels (x, y) to those of the copy."""
-    along = step / np.array(view.steps[::-1])
+def _to_copy(corner: tuple[int, int], step: int, every: int, view: View) -> FloatArray:
+    """Return the affine map from the map's places (x, y) to pixels of the copy."""
+    along = step * every / np.array(view.steps[::-1])
     start = (np.array(corner[::-1]) - view.corner[::-1] + step / 2) / view.steps[::-1] - 0.5
     return np.array([[along[0], 0, start[0]], [0, along[1], start[1]]])
 
 
 def _warped(
-    image: npt.NDArray[Any], turn: FloatArray, size: tuple[int, ...], interpolation: int
+    image: npt.NDArray[Any],
+    turn: FloatArray,
+    size: tuple[int, ...],
+    interpolation: int = cv2.INTER_LINEAR,
 ) -> npt.NDArray[Any]:
-    return cv2.warpAffine(
-        image, turn, size, flags=interpolation | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE
-    )
+    flags = interpolation | cv2.WARP_INVERSE_MAP
+    return cv2.warpAffine(image, turn, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
     """Return whether places darker than the ridges around are as large, and as many, as letters."""
-    every = max(1, round(period / _FEWER_PER_PERIOD))
-    values = np.ascontiguousarray(values[::every, ::every])
-    some = np.ascontiguousarray(ridges[::every, ::every]).view(np.uint8)
-    period /= every
     side = [2 * round(PRINTED_MARKS.around * period / 2) + 1] * 2
-    total = cv2.boxFilter(cv2.copyTo(values, some), cv2.CV_32F, side, normalize=False)
-    count = cv2.boxFilter(some, cv2.CV_32F, side, normalize=False)
+    total = cv2.boxFilter(cv2.copyTo(values, ridges.view(np.uint8)), cv2.CV_32F, side, normalize=False)
+    count = cv2.boxFilter(ridges.view(np.uint8), cv2.CV_32F, side, normalize=False)
     dark = (values * count > np.float32(PRINTED_MARKS.darker) * total) & (count > 0)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
     strokes = _as_uint8(cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke))
@@ -265,19 +276,20 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
     for contour in outer_contours(strokes):
         if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:
             x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
-            letters += bool(inside[y * every, x * every])
+            letters += bool(inside[y, x])
     return letters >= PRINTED_MARKS.minimum
 
 
-def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:
+def _excess_grain(off: Float32Array, amount: Float32Array) -> float:
     """Return by how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
 
     `off` is what lies above the means along the ridges. Valleys show the noise.
     """
-    ridges, valleys = (
-        float(cv2.meanStdDev(off, mask=(where & inside).view(np.uint8))[1].item()) ** 2
-        for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest)
-    )
+    squares, variances = off * off, []
+    for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest):
+        chosen, count = as_float32(where), max(int(np.count_nonzero(where)), 1)
+        variances.append(float(squares @ chosen) / count - (float(off @ chosen) / count) ** 2)
+    ridges, valleys = variances
     return max(0.0, math.sqrt(max(0.0, ridges - valleys)) - RIDGE_LEVEL.usual_grain)
 
 
@@ -299,55 +311,53 @@ def _blur_shift(amount: Float32Array) -> float:
     return RIDGE_LEVEL.by_blur * (off + RIDGE_LEVEL.cubic * off**3) * _change_with_level(amount, 0.5) / pixels
 
 
-def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
-    """Return means of three samples along the ridges, `RIDGE_LEVEL.sample` apart.
+def _mean_along_ridges(box: Float32Array, few: Float32Array, period: float, every: int) -> Float32Array:
+    """Return means of three samples along the ridges, `RIDGE_LEVEL.sample` apart, at every so many pixels.
 
     They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
     """
-    right, down = _steps_along_ridges(values, period)
-    flags = cv2.INTER_LINEAR | cv2.WARP_RELATIVE_MAP
-    total = values.copy()
-    for _ in range(2):  # one way, then the other
-        np.negative(right, out=right)
-        np.negative(down, out=down)
-        total += cv2.remap(values, right, down, flags, borderMode=cv2.BORDER_REPLICATE)
+    row, column = (np.arange(n, dtype=np.float32) * every for n in few.shape)
+    right, down = _steps_along_ridges(few, period, every)
+    total = few.copy()
+    for move in (np.add, np.subtract):  # one way, then the other
+        x, y = move(column, right), move(row[:, None], down)
+        total += cv2.remap(box, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     total /= 3
     return total
 
 
-def _steps_along_ridges(values: Float32Array, period: float) -> tuple[Float32Array, Float32Array]:
-    """Return how far rightward and downward the next sample along the ridges lies from each pixel, px."""
-    every = max(1, round(period / _FEWER_PER_PERIOD))
-    few = period / every
-    smooth = cv2.GaussianBlur(values[::every, ::every], (0, 0), max(0.5, RIDGE_LEVEL.gradient * few))
+def _steps_along_ridges(few: Float32Array, period: float, every: int) -> tuple[Float32Array, Float32Array]:
+    """Return how far rightward and downward the next sample along the ridges lies from each place, px."""
+    smooth = cv2.GaussianBlur(few, (0, 0), max(0.5, RIDGE_LEVEL.gradient * period))
     x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
-    cos2, sin2 = (
-        cv2.GaussianBlur(each, (0, 0), RIDGE_LEVEL.direction * few) for each in (y * y - x * x, -2 * x * y)
-    )
+    cos2, sin2 = (_blurred(each, RIDGE_LEVEL.direction * period) for each in (y * y - x * x, -2 * x * y))
     # The direction is half that of (cos2, sin2). Of both formulas, the one without a difference is exact.
     length = np.maximum(cv2.magnitude(cos2, sin2), np.float32(1e-30))
     longer = length + np.abs(cos2)
-    more = np.sqrt(longer / length) * np.float32(RIDGE_LEVEL.sample * period / math.sqrt(2))
+    more = np.sqrt(longer / length) * np.float32(RIDGE_LEVEL.sample * period * every / math.sqrt(2))
     less, flat = sin2 / longer * more, cos2 >= 0
     right, down = (
-        enlarge(as_float32(each), every, values.shape, cv2.INTER_NEAREST)
+        enlarge(as_float32(each), _HALF_SIZE, few.shape, cv2.INTER_NEAREST)
         for each in (np.where(flat, more, less), np.where(flat, less, more))
     )
     return right, down
 
 
 def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
-    """Return the level of the valleys and the rise from it to the ridges around each pixel.
+    """Return the level of the valleys and the rise from it to the ridges around each place.
 
     The extremes within a disk of about a period depend little on mottle and the ridges' width; means do.
     """
-    every = max(1, round(period / _FEWER_PER_PERIOD))
-    few = np.ascontiguousarray(values[::every, ::every])
-    around = disk(RIDGE_LEVEL.reach * period / every / 2)
-    sigma = RIDGE_LEVEL.smoothing * period / every
+    around = disk(RIDGE_LEVEL.reach * period / 2)
     low, high = (
-        enlarge(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
+        _blurred(as_float32(extreme(values, around)), RIDGE_LEVEL.smoothing * period)
         for extreme in (cv2.erode, cv2.dilate)
     )
-    high -= low
-    return low, np.maximum(high, np.float32(_MIN_RISE * contrast), out=high)
+    rise = np.maximum(high - low, np.float32(_MIN_RISE * contrast))
+    low, rise = (enlarge(as_float32(each), _HALF_SIZE, values.shape) for each in (low, rise))
+    return low, rise
+
+
+def _blurred(values: Float32Array, sigma: float) -> Float32Array:
+    """Return values blurred over some places, at half the size: less shows all that is left."""
+    return as_float32(cv2.GaussianBlur(block_means(values, _HALF_SIZE), (0, 0), sigma / _HALF_SIZE))

@@ -18,6 +18,7 @@ from fingerpad.image._masks import filled_polygon
 from fingerpad.image.scale import WINDOW_RIDGE_PERIOD_MM
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+Whole: TypeAlias = npt.NDArray[np.intp]
 
 # The period: windows, how far apart, and how many are asked first and last.
 _WINDOW: Final = 64
@@ -37,8 +38,9 @@ _PEAK_BINS: Final = 2.5
 _MIN_CONCENTRATION: Final = 0.14
 # Share of the variance of the most varied windows from which one is textured.
 _TEXTURED: Final = 0.25
-# A copy speaks more clearly than a finer one by this factor.
+# A copy speaks more clearly than a finer one by this factor; one that is clear spares coarser ones.
 _CLEARER: Final = 1.1
+_CLEAR: Final = 0.3
 
 # Of the spectrum, only what is no finer than the shortest period.
 _COLUMNS = round(_WINDOW / _SHORTEST) + 1
@@ -83,13 +85,14 @@ _FEWEST: Final = 6
 _BINS = np.add.outer(1j * fft.fftfreq(_SIDE), fft.rfftfreq(_SIDE)).ravel() * _SIDE
 _BINS = _BINS.astype(np.complex64)
 _TWICE = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0))
+_COUNTED = as_float32(np.abs(_BINS) >= _LOWEST)
 _TAPER = as_float32(np.outer(*[np.hanning(_SIDE + 2)[1:-1]] * 2))
 # The few bins that belong to a peak at each bin, or to its mirror image, and their wave vectors turned the
 # peak's way; bins that only fill the table count nothing.
 _NEAR = np.abs(_BINS - _BINS[:, None]) < _SPREAD
 _IN_PEAK = _NEAR | (np.abs(_BINS + _BINS[:, None]) < _SPREAD)
 _MEMBERS = np.argsort(~_IN_PEAK, axis=1, kind="stable")[:, : _IN_PEAK.sum(axis=1).max()]
-_COUNTS = np.take_along_axis(_IN_PEAK, _MEMBERS, axis=1)
+_COUNTS = as_float32(np.take_along_axis(_IN_PEAK, _MEMBERS, axis=1) * _TWICE[_MEMBERS])
 _TURNED = np.where(np.take_along_axis(_NEAR, _MEMBERS, axis=1), _BINS[_MEMBERS], -_BINS[_MEMBERS])
 
 
@@ -97,7 +100,8 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
     """Return the median ridge period, px, NaN where no ridges are found.
 
     Windows of 64 px, on copies that show the `expected` period, half or twice that, or else on all, vote
-    for the strongest ring of their spectrum with the share of power there.
+    for the strongest ring of their spectrum with the share of power there. Coarser copies than the expected
+    one are asked only where it is not clear.
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
@@ -116,6 +120,8 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
             vote = _median_period(periods, shares)[1]
             if vote > _CLEARER * best_vote:
                 best, best_vote, rest, found = level, vote, np.delete(windows, few, axis=0), (periods, shares)
+            if best_vote > _CLEAR and level >= middle:
+                break
         if best_vote:
             more = _window_periods(rest)
             return 2.0**best * _median_period(*map(np.append, found, more))[0]
@@ -199,24 +205,30 @@ def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step
     if mm_per_px > _COARSEST_MM:
         return True
     pitch = mm_per_px * step
-    # The windows' centres, (rows, columns, 2), and how far apart they are, px.
+    # The windows' centres, and how far apart they are, px.
     low, high = outline.min(axis=0), outline.max(axis=0)
     apart = _STEP if np.prod(high - low) > _ENOUGH * _STEP**2 else _STEP // 2
-    x, y = (np.arange(a + (b - a) % apart / 2, b + 1e-6, apart) for a, b in zip(low, high, strict=True))
-    centres = np.stack(np.meshgrid(x, y), axis=-1)
-    columns, rows = np.ceil(np.maximum(high, centres.max(axis=(0, 1)))).astype(int) + 2
-    place = np.rint(centres).astype(int).clip(0)
-    inside = filled_polygon(outline, (int(rows), int(columns)))[place[..., 1], place[..., 0]] > 0
-    if np.count_nonzero(inside) * (apart * pitch) ** 2 < _TELLING_MM2:
+    first = low + (high - low) % apart / 2
+    x, y = (np.rint(np.arange(*ends, apart)).astype(int) for ends in zip(first, high + 1e-6, strict=True))
+    columns, rows = high.astype(int) + 3
+    inside = filled_polygon(outline, (rows, columns))[y[:, None], x] > 0
+    count = np.count_nonzero(inside)
+    if count * (apart * pitch) ** 2 < _TELLING_MM2:
         return True
     short = [max(0, _SIDE - n) for n in copy.shape]
-    copy = as_float32(cv2.copyMakeBorder(copy, 0, short[0], 0, short[1], cv2.BORDER_REFLECT))
-    share, waves = _waves(copy, centres[inside], pitch)
-    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // apart)
-    if ridged.mean() < _MIN_RIDGED:
-        return False
-    parallel, spread = _alike(waves[ridged])
-    return not (parallel > _PARALLEL and spread < _EVEN)
+    if any(short):
+        copy = as_float32(cv2.copyMakeBorder(copy, 0, short[0], 0, short[1], cv2.BORDER_REFLECT))
+    # The windows in the middle tell alone where they show ridges enough for all.
+    third = len(y) // 3
+    for part in (slice(third, len(y) - third), slice(None)):
+        some = inside[part]
+        share, waves = _waves(copy, (y[part], x), some, pitch)
+        ridged = (share > _MIN_SHARE) & _flows_on(waves, share, some, _STEP // apart)
+        if np.count_nonzero(ridged) >= _MIN_RIDGED * count:
+            parallel, spread = _alike(waves[ridged])
+            if not (parallel > _PARALLEL and spread < _EVEN):
+                return True
+    return False
 
 
 class LineTexture(NamedTuple):
@@ -238,40 +250,43 @@ def line_texture(picture: Float32Array) -> LineTexture:
 
 def _lines_of_copy(copy: Float32Array) -> LineTexture:
     step = _STEP if copy.size > _ENOUGH * 4 * _STEP**2 else _STEP // 2
-    y, x = (np.arange(_SIDE / 2, n - _SIDE / 2 + 1, step) for n in copy.shape)
-    centres = np.stack(np.meshgrid(x, y), axis=-1)
+    y, x = (np.arange(_SIDE // 2, n - _SIDE // 2 + 1, step) for n in copy.shape)
     mean = cv2.blur(copy, (_SIDE, _SIDE))
     deviation = np.sqrt(np.maximum(cv2.blur(copy * copy, (_SIDE, _SIDE)) - mean * mean, 0))
     low, high = np.percentile(copy, [1, 99])
-    busy = deviation[np.ix_(y.astype(int), x.astype(int))] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
+    busy = deviation[y[:, None], x] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
     if np.count_nonzero(busy) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
-    share, waves = _waves(copy, centres[busy], _PITCH_MM)
+    share, waves = _waves(copy, (y, x), busy, _PITCH_MM)
     lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
     if np.count_nonzero(lined) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
     return LineTexture(float(np.count_nonzero(lined) / busy.size), *_alike(waves[lined]))
 
 
-def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[FloatArray, FloatArray]:
-    """Return each window's strongest wave, 1/mm, and its share of the power, 0 where it is no ridge's."""
+def _waves(
+    copy: Float32Array, grid: tuple[Whole, Whole], chosen: BoolArray, pitch: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the share of the power in each chosen window's strongest wave, and that wave, 1/mm.
+
+    The share is 0 where the wave is no ridge's. The grid are rows and columns of the windows' centres.
+    """
     windows = np.lib.stride_tricks.sliding_window_view(copy, (_SIDE, _SIDE))
-    x, y = np.rint(centres - _SIDE / 2).astype(int).T
-    some = windows[y.clip(0, windows.shape[0] - 1), x.clip(0, windows.shape[1] - 1)]
-    middle = np.einsum("ijk,jk->i", some, _TAPER) / _TAPER.sum()
+    y, x = ((k - _SIDE // 2).clip(0, n - 1) for k, n in zip(grid, windows.shape[:2], strict=True))
+    row, column = np.nonzero(chosen)
+    some = windows[y[row], x[column]]
+    middle = some.reshape(len(some), -1) @ _TAPER.ravel() / _TAPER.sum()
     spectrum = fft.rfft2((some - middle[:, None, None]) * _TAPER).reshape(len(some), -1)
-    power = spectrum.real**2 + spectrum.imag**2
-    power[:, np.abs(_BINS) < _LOWEST] = 0
+    power = (spectrum.real**2 + spectrum.imag**2) * _COUNTED
     highest = power.argmax(axis=1)
-    peak = _BINS[highest]
-    power *= _TWICE
+    peak = np.abs(_BINS[highest])
     in_peak = np.take_along_axis(power, _MEMBERS[highest], axis=1) * _COUNTS[highest]
     total = in_peak.sum(axis=1)
-    share = total / (power.sum(axis=1) + 1e-9)
-    waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
+    share = total / (power @ _TWICE + np.float32(1e-9))
+    waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + np.float32(1e-9)) / (_SIDE * pitch)
     # Periods per window of the longest and the shortest wave that ridges may have.
     low, high = (_SIDE * pitch / period for period in WINDOW_RIDGE_PERIOD_MM[::-1])
-    return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
+    return share * ((peak >= low) & (peak <= high)), waves
 
 
 def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
