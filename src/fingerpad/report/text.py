@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._rounding import value_with_uncertainty
+from fingerpad._words import counted, joined
 from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
-from fingerpad.study.manifest.messages import counted, joined
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.output import Answer

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.editing.edit import change_study, create_study
 from fingerpad.study.editing.propose import (
@@ -22,7 +23,6 @@ from fingerpad.study.editing.propose import (
 )
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import LoadedStudy
-from fingerpad.study.manifest.messages import counted
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.status import Missing, lacking, unused_files
 

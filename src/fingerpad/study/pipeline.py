@@ -12,6 +12,7 @@ from typing import Any, Final, TypeAlias
 from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
 from fingerpad._plausible import unit_doubts
+from fingerpad._words import joined
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
 from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
@@ -27,7 +28,6 @@ from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest.load import load_study, manifest_in
-from fingerpad.study.manifest.messages import joined
 from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult

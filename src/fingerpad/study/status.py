@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from fingerpad._files import digest_of
 from fingerpad._tables import TABLE_SUFFIXES
+from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
@@ -17,7 +18,7 @@ from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
-from fingerpad.study.manifest.messages import Fault, counted
+from fingerpad.study.manifest.messages import Fault
 from fingerpad.study.manifest.models import Finger, Study
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item

@@ -1,4 +1,4 @@
-"""Words of a study: what is wrong with the values of a table, and counts of things."""
+"""Words of what is wrong with the values of a table."""
 
 import difflib
 from collections.abc import Iterable, Iterator
@@ -93,18 +93,3 @@ def _hint(key: str) -> str:
         return f"; write it in the table of a scale, as in scale = {{ {key} = ... }}"
     close = difflib.get_close_matches(key, _keys(), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
-
-
-def joined(parts: Iterable[str], most: int | None = None) -> str:
-    """Return parts in a row, as "a, b and c"; of more than `most` the first, and how many more there are."""
-    every = list(parts)
-    if most is not None and len(every) > most:
-        every = [*every[:most], f"{len(every) - most} more"]
-    *first, last = every
-    return f"{', '.join(first)} and {last}" if first else last
-
-
-def counted(count: int, noun: str) -> str:
-    """Return a count with its noun, in the plural where that is due."""
-    plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
-    return f"{count} {noun if count == 1 else plural}"

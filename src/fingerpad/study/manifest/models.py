@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from fingerpad._plausible import MOST_N, in_radians, semi_axes_doubt
+from fingerpad._words import joined
 
 
 def not_tiny(value: float) -> float:
@@ -654,12 +655,12 @@ class Study(ManifestModel):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
         pressed = [one.name for one in self.observations if one.load_N > MOST_N]
         if pressed:
-            yield f"{_first_of(pressed)}: more than {MOST_N:g} N: is load_N in millinewtons, not newtons?"
+            yield f"{joined(pressed, 1)}: more than {MOST_N:g} N: is load_N in millinewtons, not newtons?"
         placed = [
             one.name for one in (*self.observations, *self.sequences) if in_radians(one.wedge_angle_deg)
         ]
         if placed:
-            yield f"{_first_of(placed)}: less than 1.6°: is wedge_angle_deg in radians, not degrees?"
+            yield f"{joined(placed, 1)}: less than 1.6°: is wedge_angle_deg in radians, not degrees?"
 
     @property
     def has_models(self) -> bool:
@@ -709,7 +710,3 @@ class Study(ManifestModel):
                 yield f"the scale “{name}”"
         if any(isinstance(one, ManifestModel) and is_exact(one) for one in self.scales_in_use()):
             yield "scales of single pictures"
-
-
-def _first_of(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"

@@ -11,8 +11,8 @@ import numpy as np
 import fingerpad
 from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits, value_with_uncertainty
+from fingerpad._words import counted, joined
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
-from fingerpad.study.manifest.messages import counted, joined
 from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord

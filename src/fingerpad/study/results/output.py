@@ -13,9 +13,9 @@ import pandas as pd
 
 from fingerpad._csv import csv_cell, write_csv
 from fingerpad._rounding import positive_with_uncertainty
+from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import PadSemiAxes
-from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.operators import OperatorAgreement

@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.study.manifest.messages import counted
+from fingerpad._words import counted
 from fingerpad.study.results.layer import (
     HERTZ_OF,
     LAYER_PART_SOURCES,

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._words import counted
 from fingerpad.image import implausible_size
-from fingerpad.study.manifest.messages import counted
 from fingerpad.study.manifest.models import Contact, Observation, Study
 from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult

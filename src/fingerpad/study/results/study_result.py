@@ -14,10 +14,10 @@ from pydantic import BaseModel
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
+from fingerpad._words import counted
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, versions_of
-from fingerpad.study.manifest.messages import counted
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 
-from fingerpad.study.manifest.messages import counted
+from fingerpad._words import counted
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult

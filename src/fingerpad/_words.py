@@ -1,0 +1,18 @@
+"""Words of lists and counts."""
+
+from collections.abc import Iterable
+
+
+def joined(parts: Iterable[str], most: int | None = None) -> str:
+    """Return parts in a row, as "a, b and c"; of more than `most` the first, and how many more there are."""
+    every = list(parts)
+    if most is not None and len(every) > most:
+        every = [*every[:most], f"{len(every) - most} more"]
+    *first, last = every
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, in the plural where that is due."""
+    plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
+    return f"{count} {noun if count == 1 else plural}"
