@@ -5,12 +5,9 @@ import io
 from collections.abc import Callable
 from dataclasses import fields
 from functools import wraps
-from typing import Any, Concatenate, Final, ParamSpec, TypeVar, assert_never
+from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec, TypeVar, assert_never
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
-from matplotlib.legend_handler import HandlerTuple
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from PIL import Image
 
@@ -18,9 +15,12 @@ from fingerpad.figures.marks import AnyMark, Band, Bars, Ellipses, Line, Panel, 
 from fingerpad.figures.style import in_style, log_subs
 from fingerpad.figures.svg import legend_columns
 
+if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
+    from matplotlib.axes import Axes
+
 Arguments = ParamSpec("Arguments")
 # Axes of Matplotlib, or a panel: what is drawn on is returned.
-AnyAxes = TypeVar("AnyAxes", Axes, Panel)
+AnyAxes = TypeVar("AnyAxes", "Axes", Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
 _LEGENDS: Final[dict[str, dict[str, Any]]] = {
@@ -51,9 +51,9 @@ def on_axes(
     return drawn  # type: ignore[return-value]  # Concatenate knows no names
 
 
-def place(panel: Panel, axes: Axes | Panel) -> None:
+def place(panel: Panel, axes: "Axes | Panel") -> None:
     """Draw a panel on axes, or add it to another, which takes over its axes."""
-    if isinstance(axes, Axes):
+    if not isinstance(axes, Panel):
         draw(panel, axes)
         return
     for one in fields(panel):
@@ -61,7 +61,7 @@ def place(panel: Panel, axes: Axes | Panel) -> None:
 
 
 @in_style
-def draw(panel: Panel, axes: Axes) -> None:
+def draw(panel: Panel, axes: "Axes") -> None:
     """Draw a panel on Matplotlib's axes, in the style of these figures."""
     for name in "xy":
         if getattr(panel, name).log:
@@ -81,6 +81,8 @@ def draw(panel: Panel, axes: Axes) -> None:
     for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
         samples.setdefault(label, []).append(sample)
     if panel.legend and samples:
+        from matplotlib.legend_handler import HandlerTuple
+
         axes.legend(
             [tuple(each) if len(each) > 1 else each[0] for each in samples.values()],
             list(samples),
@@ -90,7 +92,7 @@ def draw(panel: Panel, axes: Axes) -> None:
         )
 
 
-def _set_axis(panel: Panel, axes: Axes, name: str) -> None:
+def _set_axis(panel: Panel, axes: "Axes", name: str) -> None:
     wanted, axis = getattr(panel, name), getattr(axes, f"{name}axis")
     if wanted.ticks is not None:
         getattr(axes, f"set_{name}ticks")(
@@ -110,7 +112,7 @@ def _set_axis(panel: Panel, axes: Axes, name: str) -> None:
         axis.set_label_text(wanted.label)
 
 
-def _draw(mark: AnyMark, axes: Axes, order: float) -> None:
+def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
     look: dict[str, Any] = {"alpha": mark.alpha, "zorder": order, "label": mark.label or "_nolegend_"}
     coloured = {**look, "color": mark.colour}
     match mark:
@@ -137,6 +139,8 @@ def _draw(mark: AnyMark, axes: Axes, order: float) -> None:
         case Bars():
             axes.barh(mark.place, mark.length, height=mark.height, **coloured)
         case Ellipses():
+            from matplotlib.collections import EllipseCollection
+
             shapes = EllipseCollection(
                 mark.widths,
                 mark.heights,

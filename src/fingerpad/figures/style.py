@@ -7,15 +7,16 @@ from collections.abc import Callable
 from functools import wraps
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
 
 import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.units import MM_PER_INCH
+
+if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -102,15 +103,18 @@ def log_subs(low: float, high: float) -> tuple[float, ...]:
 @in_style
 def new_figure(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
-) -> tuple[Figure, list[Axes]]:
+) -> tuple["Figure", list["Axes"]]:
     """Return an empty figure and its axes, without touching any global state."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
 
 
 @in_style
-def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
+def figure_svg(figure: "Figure", name: str, *, description: str = "") -> str:
     """Return the figure as an ``<svg>`` element that can stand in an HTML page beside others.
 
     Text stays text. Ids and styles carry a prefix made from `name` and the drawing, so that drawings in one
@@ -133,7 +137,7 @@ def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
 
 @in_style
 def save_figure(
-    figure: Figure, path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
+    figure: "Figure", path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
 ) -> tuple[Path, Path]:
     """Write `path`.svg and `path`.png, the same bytes for the same drawing.
 
@@ -166,6 +170,8 @@ def save_figure(
     ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
     ['empty.svg', 'empty.png']
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     path = Path(path)
     svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
     layout = figure.get_layout_engine()

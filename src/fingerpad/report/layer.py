@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from fingerpad import figures
 from fingerpad.contact import ContactField, Tissue, solve_contact
 from fingerpad.contact.contact import from_reduced_modulus
 from fingerpad.contact.fast_laws import find_modulus, plate_gap
 from fingerpad.exceptions import ConvergenceError, GeometryError
-from fingerpad.figures import plot_layer_effect, section_figure
 from fingerpad.figures.marks import Panel, new_panels, synthetic_tag
 from fingerpad.figures.mpl import draw
 from fingerpad.flags import FLAGS
@@ -122,7 +122,7 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     row, radius = pooled.iloc[place], contacts.area_over_pi_indentation[place]
     modulus = from_reduced_modulus(reduced[place], nu)
     figure, (axes,) = new_panels(height_mm=56)
-    plot_layer_effect(
+    figures.plot_layer_effect(
         axes,
         _THICKNESSES,
         modulus_ratio=KPA_PER_MPA * modulus / row["youngs_modulus_kpa"],
@@ -152,7 +152,7 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         solved = solve_contact(placement, tissue, load=layer.load, points=_CELLS)
     except (GeometryError, ConvergenceError):
         return
-    figure = section_figure(
+    figure = figures.section_figure(
         ContactField.of_solution(solved),
         hertz=ContactField.of_hertz(placement, tissue, load=layer.load),
         points=_SECTION_POINTS,

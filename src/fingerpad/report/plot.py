@@ -3,14 +3,16 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Concatenate, Final, ParamSpec
+from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec
 
 from markupsafe import Markup
-from matplotlib.figure import Figure as Drawn
 
 from fingerpad.figures import save_figure, save_panels
 from fingerpad.figures.marks import Figure, Panel, new_panels
 from fingerpad.units import MM_PER_INCH
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawn
 
 Arguments = ParamSpec("Arguments")
 _PX_PER_INCH: Final = 140  # how large a page shows figures that stand alone
@@ -21,7 +23,7 @@ class Plot:
     """A drawn figure."""
 
     name: str
-    figure: Figure | Drawn
+    figure: "Figure | Drawn"
     caption: str
 
 
