@@ -246,10 +246,10 @@ def polygon_moments(points: FloatArray) -> AreaMoments:
     q = shifted(p, 1)
     cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
     area = cross.sum() / 2
-    centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
-    squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
+    centroid = cross @ (p + q) / (6 * area)
+    squares = cross @ (p * p + p * q + q * q) / 12
     products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
-    mixed = (products * cross).sum() / 24
+    mixed = cross @ products / 24
     second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
     spread, axes = np.linalg.eigh(second)
     size = abs(float(area))

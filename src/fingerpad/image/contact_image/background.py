@@ -56,9 +56,8 @@ def without_added_border(
         near = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
         opened = cv2.morphologyEx(near, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
-        even = np.asarray(opened, dtype=np.uint8)
-        enough = cv2.countNonZero(even) >= _MIN_BORDER * even.size
-        filled = np.pad(even, 1, constant_values=255)
+        enough = cv2.countNonZero(opened) >= _MIN_BORDER * opened.size
+        filled = cv2.copyMakeBorder(opened, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=255)
         cv2.floodFill(filled, None, (0, 0), 1)
         card = np.asarray(filled[1:-1, 1:-1] != 1)
         # A print on an even ground mostly shows that it is no card before grain and letters are looked at.
@@ -106,12 +105,7 @@ class Flattened(NamedTuple):
 
 
 def flattened(
-    values: Float32Array,
-    inside: BoolArray,
-    period: float,
-    *,
-    dark_on_light: bool | None,
-    contrast: float | None,
+    values: Float32Array, inside: BoolArray, period: float, dark_on_light: bool | None, contrast: float | None
 ) -> Flattened:
     """Turn contact bright, and remove uneven lighting by a smooth surface through the quiet ground."""
     side = max(2, round(_BLOCK * period))

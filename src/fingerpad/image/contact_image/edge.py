@@ -23,8 +23,6 @@ _LITTLE: Final = 25.5
 # valley behind it.
 _FIRST_RIDGE: Final = 0.3
 _FIRST_VALLEY: Final = 0.8
-# How often the outline is moved to where the closed ridges fall through half.
-_ROUNDS: Final = 2
 # Samples across a band.
 _ACROSS: Final = 6
 # The amount of ridge is near half within so many levels, of 255.
@@ -117,14 +115,14 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(ridges.closed, grown)), (3, 3), 0))
-    for _ in range(_ROUNDS):
+    for _ in range(2):
         value, inner, outer = _profiles(field, points, normals, (0.0, -0.7, 0.7))
         slope = (inner - outer) / 1.4
         off = ((value - _HALF_LEVEL) / np.maximum(slope, 10.0)).clip(-1, 1)
         points = points + normals * off[:, None]
     edge = even_edge(evenly_spaced(running_mean(points, 2)), view)
-    depths = [-_FIRST_RIDGE * period, -_FIRST_VALLEY * period]
-    ridge, valley = _profiles(as_float32(ridges.amount), edge.points, edge.normals, depths)
+    inward = [-_FIRST_RIDGE * period, -_FIRST_VALLEY * period]
+    ridge, valley = _profiles(as_float32(ridges.amount), edge.points, edge.normals, inward)
     along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))
     # By what share the ridges' area would change if their level moved by the whole rise.
     amount = ridges.amount[patch]

@@ -255,10 +255,7 @@ def _to_copy(corner: tuple[int, int], step: int, every: int, view: View) -> Floa
 
 
 def _warped(
-    image: npt.NDArray[Any],
-    turn: FloatArray,
-    size: tuple[int, ...],
-    interpolation: int = cv2.INTER_LINEAR,
+    image: npt.NDArray[Any], turn: FloatArray, size: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
 ) -> npt.NDArray[Any]:
     flags = interpolation | cv2.WARP_INVERSE_MAP
     return cv2.warpAffine(image, turn, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)

@@ -17,14 +17,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image.background import without_added_border
 from fingerpad.image.contact_image.calibration import SMOOTH
-from fingerpad.image.contact_image.edge import (
-    MANUAL,
-    Edge,
-    StepErrors,
-    axis_weights,
-    even_edge,
-    running_mean,
-)
+from fingerpad.image.contact_image.edge import MANUAL, Edge, StepErrors, axis_weights, even_edge, running_mean
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.result import ContactImageResult, contact_result
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps

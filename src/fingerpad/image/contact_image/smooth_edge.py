@@ -210,8 +210,8 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
     if not minor > 3:
         return None
     t = np.linspace(0, 2 * math.pi, 720, endpoint=False)
-    points = (column, row) + np.stack([np.cos(t) * major, np.sin(t) * minor], axis=1) @ moments.axes
-    points = _spaced(points)
+    rough = (column, row) + np.stack([np.cos(t) * major, np.sin(t) * minor], axis=1) @ moments.axes
+    points = evenly_spaced(rough, math.inf, min_count=_DIRECTIONS)
     step = None
     for reach, order in zip(_REACHES, _ORDERS, strict=True):
         step = _step_across(points, signal, inside, sign, reach)
@@ -221,19 +221,11 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
         if shift is None:
             return None
         limit = 0.5 * reach * step.radius
-        points = _spaced(points + outward_normals(points) * shift.clip(-limit, limit)[:, None])
+        moved = points + outward_normals(points) * shift.clip(-limit, limit)[:, None]
+        points = evenly_spaced(moved, math.inf, min_count=_DIRECTIONS)
         if not abs(signed_area(points)) > 20:
             return None
     return _step_across(points, signal, inside, sign, _REACHES[-1])
-
-
-def _spaced(points: FloatArray) -> FloatArray:
-    length = float(np.linalg.norm(np.diff(points, axis=0, append=points[:1]), axis=1).sum())
-    even = evenly_spaced(points, length / _DIRECTIONS)
-    place = np.arange(_DIRECTIONS) * len(even) / _DIRECTIONS
-    low = place.astype(int)
-    share = (place - low)[:, None]
-    return np.asarray(even[low] * (1 - share) + even[(low + 1) % len(even)] * share)
 
 
 def _low_order(off: FloatArray, order: int) -> FloatArray | None:

@@ -15,6 +15,7 @@ from scipy import fft
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import filled_polygon
+from fingerpad.image.contact_image.background import block_means
 from fingerpad.image.scale import WINDOW_RIDGE_PERIOD_MM
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
@@ -158,10 +159,8 @@ def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[A
 
 def _window_means(sparse: Float32Array) -> Float32Array:
     """Return the mean of each window, half a window apart, of a picture given by every fourth pixel."""
-    side = _HOP // _STRIDE
-    rows, columns = (n // side for n in sparse.shape)
-    quarters = cv2.resize(sparse, (columns, rows), interpolation=cv2.INTER_AREA)
-    return np.asarray(cv2.blur(quarters, (2, 2), anchor=(0, 0))[:-1, :-1], dtype=np.float32)
+    quarters = block_means(sparse, _HOP // _STRIDE)
+    return as_float32(cv2.blur(quarters, (2, 2), anchor=(0, 0)))[:-1, :-1]
 
 
 def _median_period(periods: FloatArray, shares: FloatArray) -> tuple[float, float]:

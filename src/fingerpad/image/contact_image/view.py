@@ -159,26 +159,19 @@ class View:
 
         Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
         """
-        at_side = self._length_near(points, lengths, self.shown, _AT_SIDE, border=0.5 * self.period, own=True)
-        near = self._length_near(points, lengths, self.shown, self.period, border=self.period, own=True)
+        at_side = self._length_near(points, lengths, _AT_SIDE, border=0.5 * self.period, own=True)
+        near = self._length_near(points, lengths, self.period, border=self.period, own=True)
         return at_side > 2 * self.period or near > 10 * self.period
 
     def cut_by_mask(self, points: FloatArray, lengths: FloatArray) -> bool:
         """Return whether an outline reaches the edge of the caller's mask."""
-        near = self._length_near(points, lengths, self.inside, _AT_SIDE, border=2.0, own=False)
-        return near > 2 * self.period
+        return self._length_near(points, lengths, _AT_SIDE, border=2.0, own=False) > 2 * self.period
 
     def _length_near(
-        self,
-        points: FloatArray,
-        lengths: FloatArray,
-        mask: BoolArray,
-        margin: float,
-        *,
-        border: float,
-        own: bool,
+        self, points: FloatArray, lengths: FloatArray, margin: float, *, border: float, own: bool
     ) -> float:
-        """Return the length of outline near what a mask leaves out, or near sides of one kind."""
+        """Return the length of an outline near what the picture does not show, or the caller leaves out."""
+        mask = self.shown if own else self.inside
         rows, columns = mask.shape
         x, y = points.T
         off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
@@ -220,13 +213,7 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         inside = share > 0.5
     copy = as_float32(_reduced(part.pixels, shape))
     period_of_copy = period / float(np.sqrt(rows / shape[0] * (columns / shape[1])))
-    flat = flattened(
-        copy,
-        inside,
-        period_of_copy,
-        dark_on_light=options.get("dark_on_light"),
-        contrast=options.get("contrast"),
-    )
+    flat = flattened(copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast"))
     view = View(
         picture=part.pixels,
         corner=part.corner,
