@@ -36,6 +36,15 @@ class Params(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+class FileParams(Params):
+    """A file of the study, by its name."""
+
+    file: Item
+
+
 class _Strictly:
     """Validates a body as the JSON that it was: no number is given as text."""
 
@@ -56,7 +65,6 @@ Body: TypeAlias = Annotated[_P, _Strictly()]
 Query: TypeAlias = Annotated[_P, fastapi.Query()]
 
 PointParam: TypeAlias = tuple[Pixel, Pixel]
-Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
 Person: TypeAlias = Annotated[str, Field(max_length=60)]
 
 

@@ -27,7 +27,7 @@ from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.share import unpack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, Here, Opened, Params, Query, api_router, study_router
+from fingerpad.web.api.base import Body, FileParams, Here, Opened, Params, Query, api_router, study_router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_sequence, kind_of_file
@@ -69,12 +69,6 @@ class ImportParams(Params):
 
     name: Annotated[str, Field(pattern=NAME)] | None = None
     file: Annotated[str, Field(max_length=500)] = ""
-
-
-class RemoveParams(Params):
-    """A file of the study."""
-
-    file: Annotated[str, Field(min_length=1, max_length=1000)]
 
 
 class RestoreParams(Params):
@@ -159,7 +153,7 @@ async def import_study(workspace: Here, params: Query[ImportParams], request: Re
 
 
 @router.delete("/files")
-def remove(opened: Opened, params: Body[RemoveParams]) -> Removal:
+def remove(opened: Opened, params: Body[FileParams]) -> Removal:
     """Move an uploaded file that is not used into a hidden folder."""
     path = opened.file(params.file)
     named = opened.read().files()

@@ -27,23 +27,16 @@ from fingerpad.study.imports.identify import (
 from fingerpad.study.imports.names import FileValues, match_file_names
 from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.web.answers import Answer, Face
-from fingerpad.web.api.base import Body, Opened, Params, Query, study_router
+from fingerpad.web.api.base import Body, FileParams, Item, Opened, Params, Query, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 
 router = study_router()
 
-FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 NewFiles = Annotated[list[NewFile], Field(max_length=20_000)]
 # One at a time: together pictures could take more memory than the limit of each.
 _READING: Final = Lock()
 _FOUND: Final[Cache[FileIdentity]] = Cache(2000, lambda _: 1)
-
-
-class FileParams(Params):
-    """A file of the study."""
-
-    file: FileName
 
 
 @router.get("/files/identity")
@@ -62,7 +55,7 @@ def _scales(loaded: LoadedStudy) -> dict[str, Any]:
 class TableParams(Params):
     """A spreadsheet, as a file of the study or as pasted text, and the new files."""
 
-    file: FileName | None = None
+    file: Item | None = None
     text: Annotated[str, Field(max_length=1_000_000)] | None = None
     files: NewFiles
 

@@ -183,7 +183,7 @@ export function allRow(files) {
   };
   const scaleFor = (use, words, placeholder) =>
     files.files.some((file) => drafts.get(file).use === use) &&
-    h("label", [
+    h("label", { key: use }, [
       `scale of ${words}`,
       text({
         value: shared[`scale_${use}`],
