@@ -126,7 +126,7 @@ export class Review {
       operator: this.operator,
     });
     this.#turned();
-    this.measured = null;
+    this.measured = undefined; // not known yet
     this.stage.root.classList.remove("rejected", "comparing"); // the image before may have been
     this.inspector.root.hidden = this.inspector.footer.hidden = false;
     this.#clear();
@@ -355,8 +355,7 @@ export class Review {
 
   async accept() {
     if (!this.entry) return;
-    // What is still measured can be accepted once it is shown.
-    if (!this.measured && this.inspector.root.ariaBusy === "true") return;
+    if (this.measured === undefined) return; // it can be accepted once it is shown
     if (!this.measured) toast(this.unreached?.message ?? this.nothingToAccept, { kind: "error" });
     else if (
       this.corrections.change.accepted ||
