@@ -1,6 +1,7 @@
 """The pad on a layer as a model: first order against Monte Carlo and against differences, and its budget."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,3 +99,34 @@ def test_flags_are_named_for_each_contact() -> None:
     value = found.value[:, [found.place(name) for name in LAYER_OUTPUTS]]
     assert np.isfinite(value[0]).all()
     assert np.isnan(value[1:]).all()
+
+
+ROUND = {"palmar": 13.7, "distal": 13.7, "radial_ulnar": 13.7}
+
+
+@pytest.mark.parametrize(
+    ("axes", "wedge_deg"),
+    [
+        (ROUND, 0),
+        (ROUND, 30),
+        (ROUND, 90),
+        (ROUND | {"distal": 13.8, "radial_ulnar": 13.6}, 0),
+        (ROUND | {"palmar": 12.0}, 0),  # two equal curvatures, at the end of an axis
+        (ROUND | {"palmar": 12.0, "radial_ulnar": 12.0}, 90),
+    ],
+)
+def test_pads_whose_curvatures_are_equal_have_the_derivatives_of_others(axes, wedge_deg) -> None:
+    pad = {name: (value, 0.2) for name, value in axes.items()}
+    ellipse = {"semi_major": (5.08, 0.05), "semi_minor": (5.06, 0.05)}
+    shape = {"in_plane_deviation": (0.0, 0.02), "transverse_deviation": (0.0, 0.02), "roll_angle": (0.0, 0.02)}
+    wedge = math.radians(wedge_deg), math.radians(1)
+    at = inputs(4.0, 0.2, **pad, **ellipse, **shape, wedge_angle=wedge, load=(1.5, 0.0))
+    found = propagate(layer_model, at)
+    step = 1e-5 * np.eye(len(at.names))
+    ends = [propagate(layer_model, replace(at, mean=at.mean + sign * step)).value for sign in (1, -1)]
+    assert_allclose(found.jacobian, (ends[0] - ends[1]).T / 2e-5, rtol=1e-4, atol=1e-6)
+    drawn = run_monte_carlo(layer_model, at, seed=1, max_draws=40_000)
+    assert drawn.undefined == 0
+    names = [name for name in found.names if name != "predicted_elongation"]  # its draws have a kink in roll
+    for name in names:
+        assert found[name].std == pytest.approx(drawn[name].std, rel=0.03), name

@@ -124,7 +124,7 @@ def hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, Floa
     x = np.log(first / second)
     if not (np.abs(x.real) <= _RANGE).all():
         return _exact_units(first, second)
-    x = np.where(x.real < 0, -x, x)
+    x = np.where(x < 0, -x, x)  # by its complex step where it is zero, as in `_exact_units`
     at, mean = (2 / _RANGE**2) * (x * x) - 1, np.sqrt(first * second)
     slope, load, depth = (polynomial(each, at) for each in _polynomials())
     return np.exp(x * slope), load / mean, depth / mean

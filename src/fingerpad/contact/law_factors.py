@@ -311,7 +311,7 @@ class Laws:
         """Take the numbers of the gap, if it is a whole ellipsoid's, then thickness and ν, if any."""
         layer, pad, elongation = None, None, 0 * k
         if whole or form:
-            longer_first = first.real > second.real
+            longer_first = first > second  # by their complex steps where they are equal, as k is
             elongation = np.where(longer_first, 0.5, -0.5) * (1 - k * k) / k
         if whole:
             pad = PadFactors(

@@ -81,15 +81,26 @@ def principal_curvatures(
 
 def curvatures_of(first: FloatArray, second: FloatArray, mixed: FloatArray) -> FloatArray:
     """Return the curvatures of `principal_curvatures` alone, shape (..., 2)."""
-    half_difference = 0.5 * (first - second)
-    mean = 0.5 * (first + second)
+    mean, half = 0.5 * (first + second), half_difference(first, second, mixed)
     # The product of the two is the determinant; their difference would lose the smaller one's digits.
-    radius = hypotenuse(half_difference, mixed)
-    concave = mean.real < 0
-    stronger = np.where(concave, mean - radius, mean + radius)
+    first_is_stronger = (half.real < 0) == (mean.real < 0)
+    stronger = np.where(first_is_stronger, mean + half, mean - half)
     weaker = (first * second - mixed * mixed) / np.where(stronger == 0, 1.0, stronger)
-    first_is_stronger = (half_difference.real < 0) == concave
     return np.stack(
         [np.where(first_is_stronger, stronger, weaker), np.where(first_is_stronger, weaker, stronger)],
         axis=-1,
     )
+
+
+def half_difference(first: FloatArray, second: FloatArray, mixed: FloatArray) -> FloatArray:
+    """Return half of what the first principal curvature is more than the second.
+
+    With its derivative for complex steps; where both are equal it is that along the step, since the root of a
+    square would lose its sign.
+    """
+    along = 0.5 * (first - second)
+    half = np.where(along.real < 0, -1.0, 1.0) * hypotenuse(along, mixed)
+    if not np.iscomplexobj(half):
+        return half
+    umbilic = (along.real == 0) & (mixed.real == 0)
+    return np.where(umbilic, 1j * np.copysign(np.hypot(along.imag, mixed.imag), along.imag), half)

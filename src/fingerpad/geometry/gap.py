@@ -21,7 +21,7 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry.curvature import PrincipalRadii, curvatures_of, principal_curvatures
+from fingerpad.geometry.curvature import PrincipalRadii, curvatures_of, half_difference, principal_curvatures
 from fingerpad.geometry.ellipsoid import curvature_tensor, support_function, tangents
 
 
@@ -120,7 +120,7 @@ def gap_kernel(
     along, across = tangents(normal)
     bent = support[..., None] * normal / semi_axes**2
     skew_along, skew_across, flatness = (np.sum(bent * each, axis=-1) for each in (along, across, normal))
-    cosine, sine = _direction(first - second, 2 * mixed)
+    cosine, sine = _direction(0.5 * (first - second), mixed, half_difference(first, second, mixed))
     return Gap(
         first_radius=1 / curvatures[..., 0],
         second_radius=1 / curvatures[..., 1],
@@ -131,14 +131,15 @@ def gap_kernel(
     )
 
 
-def _direction(difference: FloatArray, twice_mixed: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return cosine and sine of the angle, within 45°, to the first principal direction."""
-    flip = np.where(difference.real < 0, -1.0, 1.0)
-    size = np.sqrt(difference * difference + twice_mixed * twice_mixed)
-    double = np.where(size == 0, 1.0, flip * difference / np.where(size == 0, 1.0, size))
-    cosine = np.sqrt((1 + double) / 2)
-    sine = np.where(size == 0, 0.0, flip * twice_mixed / np.where(size == 0, 1.0, size)) / (2 * cosine)
-    return cosine, sine
+def _direction(along: FloatArray, mixed: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return cosine and sine of the angle, within 45°, to the first principal direction.
+
+    `along` is half of what the curvature along the finger is more than that across it, `half` the same of
+    the principal ones.
+    """
+    size = np.where(half == 0, 1.0, half)
+    cosine = np.sqrt((1 + np.where(half == 0, 1.0, along / size)) / 2)
+    return cosine, mixed / size / (2 * cosine)
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)

@@ -180,7 +180,8 @@ def pad_model(
     base, exact = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
     size, area = np.sqrt(major * minor), np.pi * major * minor
     predicted, _, _ = solve_contact_ellipse(in_plane, transverse)
-    along = np.sign(np.real(in_plane - transverse))
+    # By their complex steps where they are equal, as the ratio that k follows from.
+    along = 1.0 * (in_plane > transverse) - (in_plane < transverse)
     from_indentation, from_area, from_compliance = equivalent_radius_ratios(axis_ratio)
     modulus = 0.75 * load * exact * from_area / size**3
     return {
