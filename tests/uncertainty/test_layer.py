@@ -118,7 +118,11 @@ ROUND = {"palmar": 13.7, "distal": 13.7, "radial_ulnar": 13.7}
 def test_pads_whose_curvatures_are_equal_have_the_derivatives_of_others(axes, wedge_deg) -> None:
     pad = {name: (value, 0.2) for name, value in axes.items()}
     ellipse = {"semi_major": (5.08, 0.05), "semi_minor": (5.06, 0.05)}
-    shape = {"in_plane_deviation": (0.0, 0.02), "transverse_deviation": (0.0, 0.02), "roll_angle": (0.0, 0.02)}
+    shape = {
+        "in_plane_deviation": (0.0, 0.02),
+        "transverse_deviation": (0.0, 0.02),
+        "roll_angle": (0.0, 0.02),
+    }
     wedge = math.radians(wedge_deg), math.radians(1)
     at = inputs(4.0, 0.2, **pad, **ellipse, **shape, wedge_angle=wedge, load=(1.5, 0.0))
     found = propagate(layer_model, at)
