@@ -174,7 +174,7 @@ let begun = false;
 export function button(words, onclick, { kind = "", key, label, ...attributes } = {}) {
   const press = (event) => {
     const node = event.currentTarget;
-    if (event.detail < 2) begun = false;
+    if (event.detail !== 2) begun = false; // who clicks on and on means each click
     if (begun || busy.has(node)) return;
     const work = onclick(event);
     if (!(work instanceof Promise)) return;
