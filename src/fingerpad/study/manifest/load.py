@@ -97,8 +97,9 @@ class Table:
     kind: Kind
     key: str  # its name, of a curve its number from 0; else empty
     content: dict[str, Any]  # empty for a complete row of a spreadsheet, of which `model` says all
-    file: str  # with the line in a spreadsheet
-    key_path: str  # there
+    file: str
+    line: int = 0  # of a row of a spreadsheet
+    key_path: str  # in the manifest, empty in a spreadsheet
     faults: tuple[Fault, ...] = ()
     model: ManifestModel | None = None  # where its values are right
     complete: bool = False  # without faults, and not waiting for a finger or a scale
@@ -106,12 +107,12 @@ class Table:
     @property
     def lines(self) -> list[str]:
         """The faults, each with where it is."""
-        name = self.content.get("name")
+        name, file = self.content.get("name"), f"{self.file}, line {self.line}" if self.line else self.file
         lines = []
         for place, words in self.faults:
             where = ".".join(part for part in (self.key_path, place) if part)
             owner = f" (in {name})" if isinstance(name, str) and place != "name" else ""
-            lines.append(": ".join(part for part in (self.file, where, words + owner) if part))
+            lines.append(": ".join(part for part in (file, where, words + owner) if part))
         return lines
 
     @property
@@ -414,7 +415,8 @@ def _rows(sheet: Sheet) -> Iterator[Table]:
             kind="observation",
             key=str(content.get("name", "")),
             content=content,
-            file=f"{sheet.name}, line {line}",
+            file=sheet.name,
+            line=line,
             key_path="",
             faults=faults,
         )

@@ -3,7 +3,7 @@
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice, takewhile
-from typing import Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 import pandas as pd
@@ -164,6 +164,7 @@ class _Repeats:
         self._load = GrowingArray(np.empty(0))
         self._placed: list[tuple[float, float]] = []
         self._unit: list[tuple[str, str | None]] = []
+        self._tuples: dict[tuple[Any, ...], tuple[Any, ...]] = {}
 
     def add(
         self,
@@ -180,8 +181,12 @@ class _Repeats:
         self._axes.add(np.stack([np.log(radius), inputs.mean[:, places[1]]], axis=-1))
         self._noise.add(own * unit[:, :, None] * unit[:, None, :])
         self._load.add(np.array([measured.load_N for _, measured in seen]))
-        self._placed += [(contact.wedge_angle_deg, contact.roll_angle_deg) for contact, _ in seen]
-        self._unit += [(contact.finger, contact.session) for contact, _ in seen]
+        self._placed += [self._kept(contact.wedge_angle_deg, contact.roll_angle_deg) for contact, _ in seen]
+        self._unit += [self._kept(contact.finger, contact.session) for contact, _ in seen]
+
+    def _kept(self, *values: Any) -> Any:
+        """Return the first tuple of some values: hundreds of thousands are equal."""
+        return self._tuples.setdefault(values, values)
 
     def scatter(self) -> ContactRepeatability:
         """Return how they scatter."""
