@@ -9,7 +9,7 @@ import tifffile
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import open_frames
+from fingerpad.image import FrameRate, frame_clock, open_frames
 
 
 def level(index: int) -> np.ndarray:
@@ -179,3 +179,40 @@ def test_truncated_stack(tmp_path, capfd):
     assert frames[-1].pixels is None
     assert "those that follow are lost" in frames[-1].reason or "cannot be decoded" in frames[-1].reason
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "found"),
+    [
+        ([0, 1, 2, 3, 8, 9, 10], (0, 1, 2, 3, 8, 9, 10)),
+        ([10, 12, 14, 16, 20, 22], (0, 1, 2, 3, 5, 6)),  # every second one kept, one lost
+        ([10, 12, 14, 16, 18, 20], None),  # only the rate is known
+        ([101, 184, 267, 350, 434, 517], None),  # times
+        ([1, 2, 3, 9], None),  # too few
+    ],
+)
+def test_numbers_of_file_names_tell_missing_frames(tmp_path, numbers, found):
+    for number in numbers:
+        Image.new("L", (4, 4)).save(tmp_path / f"press2_{number}.png")
+    assert open_frames(tmp_path).numbers == found
+
+
+def test_frames_without_numbers_have_none(tmp_path):
+    for name in ("0a", "1b", "2b", "3b", "4b", "9b"):
+        Image.new("L", (4, 4)).save(tmp_path / f"{name}.png")
+    assert open_frames(tmp_path).skipped is None
+
+
+def test_a_clock_follows_the_numbers_of_file_names(tmp_path):
+    for number in (7, 8, 9, 10, 15, 16, 17, 18, 20):
+        Image.new("L", (4, 4)).save(tmp_path / f"f{number:04d}.png")
+    frames = open_frames(tmp_path)
+    assert frames.skipped == (
+        "file names skip 5 frames in 2 places, the first between f0010.png and f0015.png: times follow the "
+        "numbers"
+    )
+    clock = frame_clock(10, start_time=1.0, numbers=frames.numbers)
+    times = [clock.time_of(k, None) for k in range(9)]
+    np.testing.assert_allclose(times, 1 + np.array([0, 1, 2, 3, 8, 9, 10, 11, 13]) / 10)
+    by_contact = FrameRate(10, anchor_time=2.0, anchor_frame=None, numbers=frames.numbers)
+    assert by_contact.time_of(4, first_contact=3) == pytest.approx(2.5)

@@ -140,6 +140,22 @@ def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) ->
     assert all(row["youngs_modulus_kpa"] > 0 for row in found if row["load_N"] > 0)
 
 
+def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir: Path) -> None:
+    for lost in (7, 8, 9):
+        (study_dir / "frames" / f"f{lost}.png").unlink()
+    result = run(study_dir)
+    kept = [k for k in range(LOAD.size) if k not in {7, 8, 9}]
+    for row in records(result.rows):
+        assert row["load_N"] == pytest.approx(LOAD[kept[row["frame"]]])
+    skipped = "file names skip 3 frames between f6.png and f10.png: times follow the numbers"
+    assert result.sequences[0].summary.notes == (skipped,)
+    times = "\n".join(f"{k / RATE}" for k in kept)
+    (study_dir / "times.csv").write_text(f"time_s\n{times}\n")
+    timed = run(study_dir, of_frames(frames_per_second=None, times="times.csv"))
+    assert_allclose(timed.rows["load_N"], result.rows["load_N"])
+    assert not timed.sequences[0].summary.notes
+
+
 def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")

@@ -18,7 +18,15 @@ from fingerpad.cli.scale import WAYS, numbers_of, scale_of_flags
 from fingerpad.exceptions import CalibrationError, ImageError, LoadingError, reason_of
 
 if TYPE_CHECKING:
-    from fingerpad.image import ContactImageOptions, ForceSignal, FrameClock, FrameResult, Picture, Scale
+    from fingerpad.image import (
+        ContactImageOptions,
+        ForceSignal,
+        FrameClock,
+        FrameResult,
+        Frames,
+        Picture,
+        Scale,
+    )
 
 Item = TypeVar("Item")
 Side: TypeAlias = Literal["up", "down", "left", "right"]
@@ -235,6 +243,7 @@ def measure_frames(
     """
     from fingerpad._columns import columns_named_by
     from fingerpad.image import (
+        FrameRate,
         FrameResult,
         measure_sequence,
         open_frames,
@@ -252,7 +261,7 @@ def measure_frames(
         raise LoadingError("--column names columns of --force: give it too")
     with columns_named_by(options.column_flags):
         signal = None if force is None else read_force_signal(force, columns)
-    clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
+    clock = _clock(frames, frames_per_second, signal, start_s, contact_load_n, times)
     options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
         make_folder(overlay_dir)
@@ -268,7 +277,8 @@ def measure_frames(
     if not as_json:
         _print_if_exact(scale.mm_per_px_std)
     show.folder("Overlays", overlay_dir, as_json)
-    for note in summary.notes:
+    skipped = frames.skipped if isinstance(clock, FrameRate) else None
+    for note in (*filter(None, [skipped]), *summary.notes):
         show.note(note)
     if summary.failed:
         raise typer.Exit(Exit.SOME_FAILED)
@@ -283,7 +293,7 @@ def _print_frame(result: "FrameResult") -> None:
 
 
 def _clock(
-    played: float | None,
+    frames: "Frames",
     frames_per_second: float | None,
     signal: "ForceSignal | None",
     start_s: float | None,
@@ -303,9 +313,11 @@ def _clock(
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
         return read_frame_stamps(times)
-    rate = played if frames_per_second is None else frames_per_second
+    rate = frames.frames_per_second if frames_per_second is None else frames_per_second
     if rate is not None:
-        return frame_clock(rate, signal, start_time=start_s, contact_load=contact_load)
+        return frame_clock(
+            rate, signal, start_time=start_s, contact_load=contact_load, numbers=frames.numbers
+        )
     if signal is not None:
         raise LoadingError("--force needs the times of the frames: give --frames-per-second or --times")
     return None

@@ -149,6 +149,8 @@ class FrameRate:
         Time of the anchor frame on the signal's clock, s.
     anchor_frame : int or None
         Number of the anchor frame; None for the first-contact frame, found in the pictures.
+    numbers : tuple of int or None
+        Place of each frame on the camera's count where some are missing, as `Frames.numbers`.
 
     Raises
     ------
@@ -164,6 +166,7 @@ class FrameRate:
     frames_per_second: float
     anchor_time: float = field(default=0.0, kw_only=True)
     anchor_frame: int | None = field(default=0, kw_only=True)
+    numbers: tuple[int, ...] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         frame = self.anchor_frame
@@ -195,7 +198,10 @@ class FrameRate:
             s, NaN while the anchor is unknown.
         """
         anchor = first_contact if self.anchor_frame is None else self.anchor_frame
-        return math.nan if anchor is None else self.anchor_time + (index - anchor) / self.frames_per_second
+        if anchor is None:
+            return math.nan
+        passed = index - anchor if self.numbers is None else self.numbers[index] - self.numbers[anchor]
+        return self.anchor_time + passed / self.frames_per_second
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -225,6 +231,7 @@ def frame_clock(
     *,
     start_time: float | None = None,
     contact_load: float | None = None,
+    numbers: tuple[int, ...] | None = None,
 ) -> FrameRate:
     """Return the clock of frames taken at a steady rate, on the force's time.
 
@@ -239,6 +246,8 @@ def frame_clock(
         Where the first frame lies in its place, s.
     contact_load : float, optional
         N; the frame of first contact lies where the force first rises through it for at least three samples.
+    numbers : tuple of int, optional
+        Place of each frame on the camera's count where some are missing, as `Frames.numbers`.
 
     Returns
     -------
@@ -264,10 +273,11 @@ def frame_clock(
             raise LoadingError("the load of first contact aligns frames with a force: give the force too")
         # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
         # so are all times.
-        return FrameRate(frames_per_second, anchor_time=_contact_time(force, contact_load), anchor_frame=None)
+        contact = _contact_time(force, contact_load)
+        return FrameRate(frames_per_second, anchor_time=contact, anchor_frame=None, numbers=numbers)
     if force is not None and start_time is None:
         start_time = force.span[0] if force.trigger is None else _trigger_time(force.time, force.trigger)
-    return FrameRate(frames_per_second, anchor_time=start_time or 0.0)
+    return FrameRate(frames_per_second, anchor_time=start_time or 0.0, numbers=numbers)
 
 
 def _trigger_time(time: FloatArray, trigger: FloatArray) -> float:

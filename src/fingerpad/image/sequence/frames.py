@@ -19,6 +19,7 @@ import numpy as np
 import tifffile
 
 from fingerpad._display import Displayed
+from fingerpad._words import counted
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
 from fingerpad.image.read import (
@@ -37,6 +38,9 @@ Kind: TypeAlias = Literal["folder", "tiff", "video"]
 PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"})
 VIDEO_SUFFIXES: Final = frozenset({".avi", ".mp4", ".mov", ".mkv"})
 TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
+_ENDS_IN_NUMBER: Final = re.compile(r"(.*?)([0-9]{1,15})")
+# Fewer names do not tell the usual step of their numbers.
+_LEAST_NUMBERED: Final = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -165,9 +169,45 @@ class Frames(Displayed):
         with closing(self._decode(index, index + 1)) as frames:
             return next(frames)
 
+    @property
+    def numbers(self) -> tuple[int, ...] | None:
+        """Place of each frame on the camera's count, where the file names of a folder skip some; else None.
+
+        The names differ in the number that they end in, and most of these grow by one step, which may be
+        more than one.
+        """
+        files = self._files
+        parts = [found.groups() for path in files if (found := _ENDS_IN_NUMBER.fullmatch(path.stem))]
+        if not len(files) == len(parts) >= _LEAST_NUMBERED or len({start for start, _ in parts}) > 1:
+            return None
+        number = np.array([int(end) for _, end in parts])
+        steps = np.diff(number)
+        usual = int(steps.min())
+        if usual <= 0 or (steps % usual).any() or not 0.5 < np.mean(steps == usual) < 1:
+            return None
+        return tuple(((number - number[0]) // usual).tolist())
+
+    @property
+    def skipped(self) -> str | None:
+        """What file names say of frames that are missing; None where they skip none."""
+        if self.numbers is None:
+            return None
+        missing, files = np.diff(self.numbers) - 1, self._files
+        at = int(np.argmax(missing > 0))
+        places = np.count_nonzero(missing)
+        where = f"in {places} places, the first " if places > 1 else ""
+        return (
+            f"file names skip {counted(int(missing.sum()), 'frame')} {where}between {files[at].name} and "
+            f"{files[at + 1].name}: times follow the numbers"
+        )
+
+    @property
+    def _files(self) -> list[Path]:
+        return frame_files(self.path) if self.kind == "folder" else []
+
     def _decode(self, start: int, stop: int) -> Generator[Frame, None, None]:
         if self.kind == "folder":
-            return _folder_frames(frame_files(self.path), start, stop, self.memory_limit)
+            return _folder_frames(self._files, start, stop, self.memory_limit)
         if self.kind == "tiff":
             return _tiff_frames(self.path, start, stop, self.memory_limit)
         return _video_frames(self.path, start, stop, self.count, self.memory_limit)

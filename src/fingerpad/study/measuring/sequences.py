@@ -336,7 +336,10 @@ class OpenedSequence:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(images.draw, settings, *_summary_of(self.placed(), self.force))
+        summary, chosen = _summary_of(self.placed(), self.force)
+        if self.sequence.times is None and self.frames.skipped:
+            summary = replace(summary, notes=(self.frames.skipped, *summary.notes))
+        draw = partial(images.draw, settings, summary, chosen)
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -568,4 +571,10 @@ def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder
     rate = sequence.frames_per_second or frames.frames_per_second
     if rate is None:
         raise LoadingError(f"{sequence.file}: pictures state no rate: give frames_per_second, or times")
-    return frame_clock(rate, force, start_time=sequence.start_s, contact_load=sequence.contact_load_N)
+    return frame_clock(
+        rate,
+        force,
+        start_time=sequence.start_s,
+        contact_load=sequence.contact_load_N,
+        numbers=frames.numbers,
+    )
