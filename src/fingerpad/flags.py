@@ -250,8 +250,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        "state the modulus with the load that it holds at; unless a layer was fitted beside it, "
-        f"{GIVE_SEMI_AXES} to fit one, which may explain it",
+        f"state the modulus with the load that it holds at; {GIVE_SEMI_AXES} to fit a layer, which may "
+        "explain it",
     ),
     Flag(
         "modulus_partly_decreases",
@@ -394,3 +394,9 @@ def flags_in(
     for code in codes.split() if isinstance(codes, str) else codes:
         flag = next(FLAGS[kind][code] for kind in kinds if code in FLAGS[kind])
         yield replace(flag, words=notes.get(code, flag.words))
+
+
+def beside_a_layer(flag: Flag) -> Flag:
+    """Return a flag of a curve to which a layer was fitted too, without the words that ask for one."""
+    cut = {name: getattr(flag, name).partition(f"; {GIVE_SEMI_AXES}")[0] for name in ("words", "to_do")}
+    return replace(flag, **cut)

@@ -11,12 +11,13 @@ from tests import command, studies
 from tests.studies import PAD, Table, contact, finger, write_numbers, write_outlines
 from tests.workbooks import sheet_xml, workbook
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
-from fingerpad.report.text import doubtful_results
+from fingerpad.report.text import doubtful_results, to_measure_better
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import loading_radius, placed_pad
@@ -194,6 +195,24 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])
     assert placed.radius_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=1e-3)
     assert placed.radius_ratio_std > 0.03
+
+
+def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path: Path) -> None:
+    write_layer_curve(tmp_path / "a.csv")
+    pressed = contact("c", 2, (7, 6), std=0.1), of_file()
+    thick = finger(effective_thickness_mm=6, effective_thickness_mm_std=0.6)
+    bare, stated = (studies.run(tmp_path, of, *pressed, uncertainty=UNCERTAINTY) for of in (finger(), thick))
+    layer = bare.curves[0].layer
+    value, std = value_with_uncertainty(layer.thickness.value, layer.thickness.std).split(" ± ")
+    keys = f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}"
+    better = "; ".join(to_measure_better(bare))
+    assert f"{keys} of f, from its curve a.csv: E is {layer.youngs_modulus.times(1000)} kPa" in better
+    assert "thickness of the tissue over bone of f" not in better
+    said, said_of_stated = ("\n".join(doubtful_results(one)) for one in (bare, stated))
+    assert keys in said
+    assert keys not in said_of_stated
+    assert "E of the layer fitted beside it" in said_of_stated
+    assert "semi-axes" not in said + said_of_stated
 
 
 def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final
 
@@ -11,10 +12,11 @@ import pandas as pd
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad._words import counted, joined
-from fingerpad.flags import FLAGS, Flag, flags_in
+from fingerpad.flags import FLAGS, Flag, beside_a_layer, flags_in
 from fingerpad.image import PadSemiAxes
+from fingerpad.loading.layer import THICKER_THAN_FINGER, LayerThicknessFit
 from fingerpad.study.corrections.apply import ManualPhases
-from fingerpad.study.measuring.curves import loading_radius
+from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary
@@ -33,6 +35,7 @@ from fingerpad.study.results.validity.model_checks import (
     STRAINED,
     ValidityCheck,
 )
+from fingerpad.units import KPA_PER_MPA
 
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {HOLDS: "✓", STRAINED: "◐", FAILS: "✕", NOT_TESTED: "–"}
@@ -45,7 +48,7 @@ HEADLINE_WORDS: Final[Mapping[str, str]] = {
 }
 
 # What to do about a difference, by the name of its check.
-_ON_LAYER: Final = "take E and ξ on tissue over bone, for which the finger needs effective_thickness_mm"
+_ON_LAYER: Final = "take E and ξ on tissue over bone, which follow from the finger's effective_thickness_mm"
 _PRESS_LESS: Final = (
     "press less: the contact is beyond the laws of the whole pad, and no better value is known"
 )
@@ -180,6 +183,14 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
         for summary, validity in placed
         if summary.layer is None and validity.verdict in {STRAINED, FAILS}
     }
+    for curve in result.curves:
+        name, layer = curve.manifest.finger, curve.layer
+        if name not in bare or layer is None or curve.manifest.synthetic != synthetic:
+            continue
+        if state := _thickness_keys(layer):
+            del bare[name]
+            modulus = layer.youngs_modulus.times(KPA_PER_MPA)
+            yield f"{state} of {name}, from its curve {curve.name}: E is {modulus} kPa on that layer"
     if bare:
         named = joined(bare, _MOST_NAMED)
         yield f"state the thickness of the tissue over bone of {named}, where Hertz theory is off"
@@ -333,9 +344,32 @@ def doubtful_curves(result: StudyResult) -> dict[Flag, list[str]]:
     """Return for each flag of the fits of loading curves the names of the curves."""
     found: dict[Flag, dict[str, None]] = {}  # each curve once, in their order
     for curve in result.curves:
-        for flag in flags_in(curve.fit.flags, "curve", notes=curve.fit.notes) if curve.fit else ():
+        for flag in _curve_flags(curve, result):
             found.setdefault(flag, {})[curve.name] = None
     return {flag: list(names) for flag, names in found.items()}
+
+
+def _curve_flags(curve: CurveResult, result: StudyResult) -> Iterator[Flag]:
+    """Yield the flags of a curve's fit; where a layer was fitted too, what that says is to be done."""
+    fit = curve.fit
+    for flag in flags_in(fit.flags, "curve", notes=fit.notes) if fit else ():
+        said = flag
+        if curve.layer is not None and (said := beside_a_layer(flag)) != flag:
+            thick = result.fingers[curve.manifest.finger].effective_thickness is not None
+            state = "" if thick else _thickness_keys(curve.layer)
+            said = replace(said, to_do=state or "take E of the layer fitted beside it, where it tells one")
+        yield said
+
+
+def _thickness_keys(layer: LayerThicknessFit) -> str:
+    """Say how to state the thickness of the tissue that a curve tells; empty where it tells none."""
+    if not (layer.youngs_modulus.known and layer.preferred_model.startswith("layer")):
+        return ""
+    t = layer.thickness
+    if not 0 < t.lower < t.upper < math.inf or THICKER_THAN_FINGER in layer.notes:
+        return ""
+    value, std = value_with_uncertainty(t.value, t.std).split(" ± ")
+    return f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}"
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
