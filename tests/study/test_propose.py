@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from PIL import Image
+from tests.image.ruler_scenes import KINDS, ruler_scene
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
@@ -32,7 +33,7 @@ def empty(tmp_path, *, tables=()):
     [
         ("IMG_0031.jpg", "picture", {"use": "observation"}),
         ("LI_30deg_0,5N.png", "picture", {"finger": "left_index", "wedge_angle_deg": 30, "load_N": 0.5}),
-        ("S01_right_thumb_w45_500mN.tif", "picture", {"finger": "S01_right_thumb", "load_N": 0.5}),
+        ("S01_right_thumb_w45_500mN.tif", "picture", {"person": "S01", "finger": "S01_right_thumb"}),
         ("left_index_palmar.jpg", "picture", {"use": "photograph", "face": "palmar"}),
         ("ruler.jpg", "picture", {"use": "", "finger": ""}),
         ("press.avi", "sequence", {"use": "sequence"}),
@@ -208,6 +209,25 @@ def test_no_study_is_written_where_nothing_states_a_finger(camera_files) -> None
     ):
         start_study(camera_files)
     assert not (camera_files / "study.toml").exists()
+
+
+def test_what_states_a_load_is_a_contact_image(tmp_path) -> None:
+    """In its name or in a spreadsheet; as such also in a folder that could hold frames."""
+    shown = ruler_scene(KINDS[0], 3, side=480)
+    for folder, names in {
+        "named": [f"P01_LI_{wedge}deg_{load}N" for wedge in range(11) for load in (0.3, 2)],
+        "listed": ["a", "b"],
+    }.items():
+        (tmp_path / folder).mkdir()
+        for name in names:
+            Image.fromarray(shown).save(tmp_path / folder / f"{name}.png")
+    (tmp_path / "list.csv").write_text("file,person,finger,load (N)\na.png,P02,LM,0.3\n")
+    started = start_study(tmp_path)
+    assert sum(words == "contact image" for words in started.taken.values()) == 23
+    people = {one.key: one.content["person"] for one in started.loaded.tables if one.kind == "finger"}
+    assert people == {"P01_left_index": "P01", "P02_left_middle": "P02"}
+    assert started.left["listed/b.png"] == "ruler, for the scale"
+    assert not any("taken as" in line for line in started.guesses)
 
 
 def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:

@@ -19,6 +19,7 @@ from fingerpad.study.editing.propose import (
     proposed_edits,
     stated_values,
     with_guess,
+    with_guessed_scale,
     written_scale,
 )
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
@@ -150,7 +151,7 @@ def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[d
             taken, problem = stated_values(new, values, ())
             if problem:
                 problems.append(f"{file}: {problem}")
-            found[file] = replace(new, **taken), guess
+            found[file] = with_guessed_scale(replace(new, **taken), guess), guess
     return read, problems
 
 

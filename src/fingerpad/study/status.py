@@ -17,6 +17,7 @@ from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
+from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
 from fingerpad.study.manifest.messages import Fault
 from fingerpad.study.manifest.models import Finger, Study
@@ -310,7 +311,9 @@ def unused_files(loaded: LoadedStudy) -> Iterator[Missing]:
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):
         pictures = {name for name in names if Path(name).suffix.lower() in PICTURE_SUFFIXES}
-        if place != "." and len(pictures) > _SEQUENCE:
+        # Pictures named by different loads are contacts.
+        loads = {read_file_name(name, "picture").get("load_N") for name in pictures} - {None}
+        if place != "." and len(pictures) > _SEQUENCE and len(loads) < 2:
             words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
             yield Missing(kind="folder", key=place, words=words)
             names = [name for name in names if name not in pictures]  # noqa: PLW2901

@@ -125,6 +125,7 @@ def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
     return NewFile(
         file=file,
         use=found.get("role", ""),
+        person=found.get("person", ""),
         finger=found.get("finger", only),
         face=found.get("face"),
         wedge_angle_deg=found.get("wedge_angle_deg"),
@@ -175,13 +176,17 @@ def _ppi(table: Mapping[str, Any]) -> float:
 def with_guess(new: NewFile, guess: Guess) -> NewFile:
     """Return a file with what is guessed of it where its name says nothing."""
     use, guessed = guess.uses[0], [] if guess.sure else ["use"]
-    face, scale = new.face, new.scale
+    face = new.face
     if use == "photograph" and face is None and (face := guess.face) and not guess.face_sure:
         guessed.append("face")
-    if use in guess.scales and not scale:
-        scale = guess.scales[use].scale
-        guessed.append("scale")
-    return replace(new, use=use, face=face, scale=scale, guessed=tuple(guessed))
+    return with_guessed_scale(replace(new, use=use, face=face, guessed=tuple(guessed)), guess)
+
+
+def with_guessed_scale(new: NewFile, guess: Guess) -> NewFile:
+    """Return a file with the scale that is guessed for its use, where it has none."""
+    if new.scale or new.use not in guess.scales:
+        return new
+    return replace(new, scale=guess.scales[new.use].scale, guessed=(*new.guessed, "scale"))
 
 
 def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[dict[str, Any], str]:
@@ -193,6 +198,15 @@ def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> 
         taken["use"] = values["role"]
     elif "face" in values and new.use == "observation" and "use" in new.guessed:
         taken["use"] = "photograph"
+    elif (
+        values.get("load_N")
+        and "face" not in values
+        and (
+            new.use in {"coin", "ruler"}
+            or ("use" in new.guessed and new.use in {"observation", "photograph"})
+        )
+    ):
+        taken["use"] = "observation"  # nothing else has a load
     if person and finger:
         taken["finger"] = finger if finger.startswith(f"{person}_") else f"{person}_{finger}"
     for way in ("ppi", "mm_per_px"):

@@ -278,7 +278,8 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     """Guess what a file is, by its content and its name.
 
     Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and
-    sequences by their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
+    sequences by their frames. A name that says it, as ``palmar`` or ``coin``, counts for much, and one with a
+    load, as ``30deg_2N``, is that of a contact image.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -308,8 +309,8 @@ def _identity(
             named = ["coin", "ruler"]
         elif "face" in reading:
             named = ["photograph"]
-        elif "load_N" in reading:
-            named = ["contact image"]
+        elif "load_N" in reading:  # which nothing else has: a small print can look like a ruler
+            weights = {content: float(content == "contact image") for content in weights}
         for content in named:
             weights[content] *= _NAMED
     if "face" in reading and kind in {"picture", "table"}:

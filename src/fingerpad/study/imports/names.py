@@ -239,8 +239,13 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
     if role and not names_a_scale(name) and not (kind == "table" and names_a_force(name)):
         values["role"] = role
     known = [finger for finger in fingers if finger.lower() in stem.lower()]
-    if finger := max(known, key=len) if known else _finger(stem):
+    if known:
+        values["finger"] = max(known, key=len)
+    elif finger := _finger(stem):
         values["finger"] = finger
+        if person := _PERSON.search(stem):
+            values["person"] = person[0].replace(" ", "")
+            values["finger"] = f"{values['person']}_{finger}"
     if (angle := _wedge(stem)) is not None:
         values["wedge_angle_deg"] = angle
     if (load := _load(stem)) is not None:
@@ -264,7 +269,7 @@ def _stem_words(name: str) -> set[str]:
 
 
 def _finger(stem: str) -> str | None:
-    """Return hand and digit, by full words in any order or by two capitals, after the person."""
+    """Return hand and digit, by full words in any order or by two capitals."""
     words = _words(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
     pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
     found = [
@@ -277,8 +282,7 @@ def _finger(stem: str) -> str | None:
     ]
     if not found:
         return None
-    person = _PERSON.search(stem)
-    return f"{person[0]}_{found[0]}".replace(" ", "") if person else found[0]
+    return found[0]
 
 
 def _wedge(stem: str) -> float | None:
