@@ -19,7 +19,7 @@ NAMES = {"doubts", "flags", "notes", "flag"}
 PLACES = {
     "contact": ("image/contact_image",),
     "scale": ("image/coin.py", "image/grid.py"),
-    "frame": ("image/sequence/measure.py", "study/corrections/apply.py"),
+    "frame": ("image/sequence/measure.py", "image/sequence/result.py", "study/corrections/apply.py"),
     "photograph": ("image/photograph",),
     "curve": ("loading",),
     "layer": ("contact", "study/results/layer.py"),
@@ -85,7 +85,8 @@ def test_codes_of_contacts():
 
 
 def test_what_is_kept_out_of_pooled_results():
-    kept_out = {flag.code for flag in FLAGS["contact"].values() if flag.excludes.startswith("pooling")}
+    flags = [*FLAGS["contact"].values(), *FLAGS["frame"].values()]
+    kept_out = {flag.code for flag in flags if flag.excludes.startswith("pooling")}
     assert kept_out == NEVER_POOLED | POOLED_IF_REVIEWED
     assert FLAGS["row"]["implausible_size"].excludes == "pooling"
 

@@ -130,6 +130,12 @@ _FRAME: Final = (
         "the force signal does not cover the frame",
         "record the force from before the first frame until after the last, or check the delay",
     ),
+    Flag(
+        "out_of_step",
+        "area and force do not go together, as where frames are lost or times are wrong",
+        "give the frames' own times (times), or check frame rate, trigger and force file",
+        "pooling",
+    ),
 )
 _PHOTOGRAPH: Final = (
     Flag(

@@ -22,6 +22,7 @@ from fingerpad.image import (
     scan_texture,
     sequence_summary,
 )
+from fingerpad.image.sequence.jump import find_jump
 from fingerpad.simulate import render_sequence
 
 FPS, CONTACT = 20.0, 8
@@ -292,3 +293,53 @@ def test_texture_beside_the_mask_and_of_the_background_is_no_contact():
 def textures(pictures, **place):
     frames = [Frame(index=k, pixels=pixels) for k, pixels in enumerate(pictures)]
     return scan_texture(frames, SCALE, **place).texture
+
+
+def ramp(kind, *, noise, rng, rate=12.0, late=0.0, lost=slice(0)):
+    """Return times, loads, areas and loading of the frames in contact of a press, `lost` ones left out."""
+    time = np.arange(0, 9, 1 / rate)
+    corners, loads = {
+        "press": ([1, 4, 6, 8], [0, 2, 2, 0]),
+        "cycles": ([1, 2.5, 3, 4, 4.3, 5.8, 6.3, 7.3], [0, 2, 2, 0, 0, 2, 2, 0]),
+        "steps": ([1, 2, 3, 4, 5, 6, 7], [0, 0.5, 0.5, 1, 1, 2, 2]),
+    }[kind]
+    area = 60 * np.interp(time, corners, loads) ** (2 / 3) * np.exp(rng.normal(0, noise, time.size))
+    area = np.delete(area, lost)
+    shown = time[: area.size]
+    load = np.interp(shown - late, corners, loads) + rng.normal(0, 0.003, shown.size)
+    seen = area > 3
+    loading = np.gradient(np.interp(shown - late, corners, loads)) > 0
+    return shown[seen], load[seen], area[seen], loading[seen]
+
+
+@pytest.mark.parametrize("kind", ["press", "cycles", "steps"])
+@pytest.mark.parametrize("late", [0.0, 0.1, -0.2, 0.5])
+def test_undisturbed_presses_have_no_jump(kind, late):
+    rng = np.random.default_rng(4)
+    for noise in (0.003, 0.01, 0.02, 0.04):
+        for _ in range(5):
+            assert find_jump(*ramp(kind, noise=noise, rng=rng, late=late)) is None
+
+
+@pytest.mark.parametrize(("lost", "late"), [(3, 0.0), (4, 0.1), (6, -0.1)])
+def test_lost_frames_of_a_ramp_are_a_jump(lost, late):
+    rng = np.random.default_rng(4)
+    for first in range(18, 30):
+        time, load, area, loading = ramp(
+            "press", noise=0.005, rng=rng, late=late, lost=slice(first, first + lost)
+        )
+        jump = find_jump(time, load, area, loading)
+        assert jump is not None
+        assert round(12 * time[jump]) == first - 1
+
+
+def test_lost_frames_are_noted_and_flagged(results, signal):
+    contacts = [result for result in results if result.measures]
+    lost = contacts[:5] + [
+        replace(late, time=early.time, load=early.load, phase=early.phase)
+        for early, late in zip(contacts[5:], contacts[8:], strict=False)
+    ]
+    assert sequence_summary(contacts, signal).flags == ()
+    summary = sequence_summary(lost, signal)
+    assert summary.flags == ("out_of_step",)
+    assert f"from frame {contacts[4].index} to {contacts[8].index} the area grows by" in summary.notes[0]

@@ -15,7 +15,7 @@ from tests.studies import Table, contact, finger, sequence, write_study
 from fingerpad.exceptions import StoreError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
-from fingerpad.report.text import fingers_without_results
+from fingerpad.report.text import doubtful_results, fingers_without_results
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.apply import frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -154,6 +154,17 @@ def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir: P
     timed = run(study_dir, of_frames(frames_per_second=None, times="times.csv"))
     assert_allclose(timed.rows["load_N"], result.rows["load_N"])
     assert not timed.sequences[0].summary.notes
+
+
+def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir: Path) -> None:
+    for k in range(7, LOAD.size):  # three frames are lost, and the names do not tell
+        frame = study_dir / "frames" / f"f{k}.png"
+        frame.rename(frame.with_name(f"f{k - 3}.png")) if k >= 10 else frame.unlink()
+    result = run(study_dir)
+    assert "from frame 6 to 7 the area grows by" in result.sequences[0].summary.notes[0]
+    assert not result.rows["pooled"].any()
+    assert set(result.rows["excluding_flags"]) == {"out_of_step"}
+    assert any("p: area and force do not go together" in words for words in doubtful_results(result))
 
 
 def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:

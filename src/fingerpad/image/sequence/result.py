@@ -3,15 +3,17 @@
 import math
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._plausible import unit_doubts
 from fingerpad.image.sequence.force import ForceSignal
+from fingerpad.image.sequence.jump import find_jump
 from fingerpad.image.sequence.phases import Phase
 
 
@@ -87,6 +89,8 @@ class SequenceSummary(Displayed):
         Number of frames in each phase.
     notes : tuple of str
         Remarks for the reader.
+    flags : tuple of str
+        Doubts about all frames: ``out_of_step`` where area and force do not go together.
 
     Examples
     --------
@@ -107,6 +111,7 @@ class SequenceSummary(Displayed):
     largest: int | None
     phases: dict[str, int]
     notes: tuple[str, ...]
+    flags: tuple[str, ...] = ()
 
 
 # With fewer contacts than this nothing is said of how area and force go together.
@@ -116,7 +121,7 @@ _MIN_CORRELATION = 0.5
 _MIN_LOAD_SHARE = 0.1
 
 
-def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
+def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
     """Return whether the area follows the load, by their rank correlation."""
     if not (np.ptp(loads) > 0 and np.ptp(areas) > 0):
         return False
@@ -124,6 +129,29 @@ def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
 
     correlation, _ = stats.spearmanr(loads, areas)
     return bool(correlation > _MIN_CORRELATION)
+
+
+def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
+    """Return why frames in contact are not in step with the force, None where nothing tells.
+
+    `contacts` are their numbers, times, loads, areas, and whether they are loading.
+    """
+    frames, times, loads, areas, loading = contacts
+    if areas.size < _MIN_FRAMES_TO_COMPARE:
+        return None
+    reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
+    if loads.max() < reach or not _area_follows_load(loads, areas):
+        return "area and force do not rise and fall together: check frame rate, trigger and force file"
+    jump = find_jump(times, loads, areas, loading > 0)
+    if jump is None:
+        return None
+    place = slice(jump, jump + 2)
+    (first, then), (below, above), (small, large) = frames[place], loads[place], areas[place]
+    return (
+        f"from frame {first:.0f} to {then:.0f} the area grows by {large / small - 1:.0%}, unlike before and "
+        f"after, the force from {below:.3g} to {above:.3g} N: where frames are lost between them, all that "
+        "follow have the load of an earlier time: give the frames' own times (times, or --times)"
+    )
 
 
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
@@ -150,7 +178,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
     phases: Counter[str] = Counter()
     first_contact, largest, largest_area = None, None, 0.0
     start, end, reason = math.inf, -math.inf, None
-    loads, areas = array("d"), array("d")
+    contacts = array("d")  # as `_out_of_step` takes them
     for result in results:
         counts["all"] += 1
         counts["measured"] += result.measures is not None
@@ -163,8 +191,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         if area > largest_area:
             largest, largest_area = result.index, area
         if result.measures is not None and math.isfinite(result.load):
-            loads.append(result.load)
-            areas.append(area)
+            contacts.extend((result.index, result.time, result.load, area, result.phase == "loading"))
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
@@ -177,13 +204,14 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             f"{max(0.0, end - start):.4g} s (from {start:.4g} to {end:.4g} s): "
             f"{counts['no_force']} of {counts['all']} frames have no load"
         )
-    reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
-    together = bool(areas) and max(loads) >= reach and _area_follows_load(loads, areas)
-    if len(areas) >= _MIN_FRAMES_TO_COMPARE and not together:
-        notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
-    elif unloaded := sum(load <= 0 for load in loads):
+    seen = np.reshape(contacts, (-1, 5)).T
+    doubt = _out_of_step(seen, force)
+    flags = () if doubt is None else ("out_of_step",)
+    if doubt is not None:
+        notes.append(doubt)
+    elif unloaded := np.count_nonzero(seen[2] <= 0):
         notes.append(
-            f"{unloaded} of {len(loads)} frames show contact while the force is not above zero: check "
+            f"{unloaded} of {seen.shape[1]} frames show contact while the force is not above zero: check "
             "trigger, frame rate and zero of the force"
         )
     if force is not None:
@@ -199,4 +227,5 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         largest=largest,
         phases=dict(phases),
         notes=tuple(notes),
+        flags=flags,
     )

@@ -209,8 +209,11 @@ def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
     return tuple(flag for flag in contact_image.flags if flag != "edited_manually")
 
 
-# The picture does not show all of a contact at a known scale: nothing that a person says of it helps.
-NEVER_POOLED: Final = frozenset(flag.code for flag in FLAGS["contact"].values() if flag.excludes == "pooling")
+# The picture does not show all of a contact at a known scale, or its load is not known: nothing that a
+# person says of its outline helps.
+NEVER_POOLED: Final = frozenset(
+    flag.code for flag in (*FLAGS["contact"].values(), *FLAGS["frame"].values()) if flag.excludes == "pooling"
+)
 # What was measured may be a part of the contact, or more than it: a person who has looked can tell.
 POOLED_IF_REVIEWED: Final = frozenset(
     flag.code for flag in FLAGS["contact"].values() if flag.excludes == "pooling unless reviewed"

@@ -371,8 +371,8 @@ class OpenedSequence:
         }
         return cache_key(pictures, stage, piece, self.frames.count, edits)
 
-    def measurements(self) -> Iterator[Measurement]:
-        """Yield what was measured, frame by frame, from what the store holds.
+    def measurements(self, flags: tuple[str, ...]) -> Iterator[Measurement]:
+        """Yield what was measured, frame by frame, from what the store holds, with flags of all frames.
 
         A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
         one without a contact to be seen, or beyond the force, gives none.
@@ -383,6 +383,7 @@ class OpenedSequence:
         for result in self.placed():
             row = self._row(result, contact)
             if row is not None:
+                row = replace(row, flags=(*row.flags, *flags)) if row.reason is None else row
                 yield reviewed(row, self.active.get(result.index))
 
     def digests(self, frames: Iterable[int]) -> dict[int, str]:
@@ -517,7 +518,8 @@ def sequence_measurements(result: SequenceResult, context: RunContext) -> Iterat
         yield Measurement(observation=name, reason=result.reason, sequence=name)
         return
     with _all_stored(name, context):
-        yield from OpenedSequence.open(result.manifest, context).measurements()
+        flags = () if result.summary is None else result.summary.flags
+        yield from OpenedSequence.open(result.manifest, context).measurements(flags)
 
 
 @contextmanager
