@@ -245,7 +245,8 @@ def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None
     assert "check the scale" not in out
     assert "scale taken as exact" not in out
     assert out.endswith(f"Overlays: {tmp_path / 'drawn'}\n")
-    code, out, _ = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
+    code, out, err = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
+    assert "stated.png: the file states 500 ppi, the scale is 50 ppi: check which is right\n" in err
     assert re.search(r"^scale_from +option$", out, re.M)
     assert "\nscale taken as exact\n" in out
     assert "\nscale_doubtful: the ridge period is not that of a finger. To do: check the resolution" in out

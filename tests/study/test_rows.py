@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 from tests.studies import Table, contact, finger, picture, run
 
+from fingerpad.image.read import read_resolution
 from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.results.table import Row, first_record, records
@@ -51,6 +52,23 @@ def test_a_picture_that_counts_twice_is_noted_by_its_content(folder: Path) -> No
     assert note.startswith("x and y are one picture, print.png and copy.png, which counts 2 times")
     part = {"region_of_interest_px": [0, 0, 300, 300]}
     assert run(folder, finger(), shown(), picture("y", "copy.png", 2, scale={"ppi": 500}, **part)).notes == ()
+
+
+def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder: Path) -> None:
+    drawn, stated = Image.open(folder / "print.png"), {"ppi": 500}
+    for file, ppi in {"a.png": 1000, "b.tif": 1000, "c.bmp": 1000, "d.png": 300, "e.png": 505}.items():
+        drawn.save(folder / file, dpi=(ppi, ppi))
+    by_name = [
+        picture(file, file, 2 + 0.1 * k, scale="s") for k, file in enumerate(("b.tif", "d.png", "e.png"))
+    ]
+    pitch = picture("c", "c.bmp", 2.4, scale={"mm_per_px": 0.0508})
+    tables = finger(), picture("a", "a.png", 2.5, scale=stated), *by_name, pitch
+    notes = [note for note in run(folder, *tables, scales={"s": stated}).notes if "ppi" in note]
+    said = "the file states 1000 ppi, the scale is 500 ppi: check which is right"
+    assert notes == [f"a.png and 2 more: {said}"]
+    assert [read_resolution(folder / file) for file in ("a.png", "b.tif", "c.bmp")] == [1000] * 3
+    (folder / "a.png").write_bytes(b"II*\0 no picture")
+    assert read_resolution(folder / "a.png") is None
 
 
 def test_wedge_angle(tmp_path: Path) -> None:

@@ -112,12 +112,15 @@ def measure_prints(
     Contacts without ridges, of silicone or a gel, take --surface smooth; what concerns ridges is then empty.
     """
     from fingerpad.image import measure_contact_image, read_colour_image, read_image, write_overlay
+    from fingerpad.image.scale import other_resolution
 
     overlays = _overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
         used = scale or _stated_scale(path, picture)
+        if words := other_resolution(picture.dots_per_inch, used.mm_per_px):
+            show.note(f"{path}: the file {words}")
         pixels = read_colour_image(path) if settings["surface"] == "smooth" else picture.pixels
         contact_image = measure_contact_image(pixels, used, **settings)
         if path in overlays:

@@ -256,16 +256,32 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
         count = getattr(image, "n_frames", 1)
         if count > 1 and image.format != "MPO":  # a telephone's JPEG, followed by a preview
             raise ImageError(_SEVERAL.format(count))
-        # Without a unit JPEG and PNG state the shape of a pixel alone.
-        shape = image.info.get("aspect") or image.info.get("jfif_density")
-        resolution = plausible_resolution(
-            image.info.get("dpi") or shape, 1.0 if "dpi" in image.info else None
-        )
+        resolution = _resolution_of_image(image)
         if not deep:
             return levels_of_image(ImageOps.exif_transpose(image)), resolution
         image.load()  # what is cut short or damaged is refused here
         tag = image.getexif().get(_ORIENTATION_TAG, 1)
     return apply_orientation(_decode_by_opencv(path), int(tag)), resolution
+
+
+def _resolution_of_image(image: Image.Image) -> float | None:
+    # Without a unit JPEG and PNG state the shape of a pixel alone.
+    shape = image.info.get("aspect") or image.info.get("jfif_density")
+    return plausible_resolution(image.info.get("dpi") or shape, 1.0 if "dpi" in image.info else None)
+
+
+def read_resolution(path: Path) -> float | None:
+    """Return the dots per inch that a picture's header states, None where it states none or is damaged."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            if read_start(path) in _TIFF_STARTS:
+                with tifffile_warnings(), tifffile.TiffFile(path) as tiff:
+                    return resolution_of_page(tiff.pages[0])
+            with Image.open(path, formats=_FORMATS) as image:
+                return _resolution_of_image(image)
+        except Exception:  # of any kind, as in `read_levels`, which says what is wrong
+            return None
 
 
 def _is_deep_colour(image: Image.Image) -> bool:

@@ -28,6 +28,9 @@ WINDOW_RIDGE_PERIOD_MM: Final = (0.28, 0.75)
 PLAUSIBLE_RIDGE_PERIOD_MM: Final = (0.25, 0.9)
 # What cameras, editors and screens write without measuring.
 PLACEHOLDER_PPI = (72.0, 96.0)
+# What they and scanners' programs write by default: no sign that another scale is wrong.
+_DEFAULT_PPI: Final = (*PLACEHOLDER_PPI, 150.0, 180.0, 240.0, 300.0)
+_LEAST_SCANNED_PPI, _SAME_PPI = 150.0, 0.02
 # Three points less bent than this lie on a line.
 _LEAST_BEND: Final = 1e-3
 # Files keep whole dots per inch: half a dot either way, rectangular.
@@ -284,3 +287,20 @@ ScaleLike: TypeAlias = Scale | float
 def as_scale(scale: ScaleLike) -> Scale:
     """Return a scale; a number is millimetres per pixel, of no uncertainty."""
     return scale if isinstance(scale, Scale) else Scale(scale)
+
+
+def other_resolution(dots_per_inch: float | None, mm_per_px: float) -> str:
+    """Say how the resolution that a picture's file states differs from its scale.
+
+    Empty where it hardly does, and where it is none of a scanner's: cameras, editors and screens write theirs
+    without measuring.
+    """
+    used = MM_PER_INCH / mm_per_px
+    if (
+        dots_per_inch is None
+        or dots_per_inch < _LEAST_SCANNED_PPI
+        or any(math.isclose(dots_per_inch, default, abs_tol=0.5) for default in _DEFAULT_PPI)
+        or abs(dots_per_inch / used - 1) <= _SAME_PPI
+    ):
+        return ""
+    return f"states {dots_per_inch:.4g} ppi, the scale is {used:.4g} ppi: check which is right"

@@ -14,6 +14,8 @@ from fingerpad._files import make_folder
 from fingerpad._plausible import unit_doubts
 from fingerpad._words import joined
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
+from fingerpad.image.read import read_resolution
+from fingerpad.image.scale import other_resolution
 from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
 from fingerpad.study.corrections.items import (
@@ -28,7 +30,7 @@ from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest.load import load_study, manifest_in
-from fingerpad.study.manifest.models import Observation, Study
+from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionScale, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
@@ -43,6 +45,7 @@ from fingerpad.study.results.result_set import (
     results_folder,
 )
 from fingerpad.study.results.study_result import StudyResult, result_of
+from fingerpad.units import MM_PER_INCH
 
 # Draws files into a folder by tasks, each of which is performed again only where its key has changed.
 Draw: TypeAlias = Callable[[Iterable[Task], Callable[[Task], None]], None]
@@ -172,6 +175,7 @@ def run_study(
                         *study.doubts(),
                         *_unit_notes(measured.curves),
                         *_repeated_files(study, origin["inputs_sha256"]),
+                        *_resolution_notes(study, folder),
                         *_column_notes(study, folder),
                     ),
                     executor=executor,
@@ -278,6 +282,20 @@ def _repeated_files(study: Study, digests: Mapping[str, str]) -> Iterator[str]:
                 f"{names} are one picture, {files}, which counts {len(same)} times: keep one of them, or say "
                 "by region_of_interest_px which part of it each is"
             )
+
+
+def _resolution_notes(study: Study, folder: Path) -> Iterator[str]:
+    """Yield which contact images state another resolution than the number that the study gives."""
+    found: dict[str, list[str]] = {}
+    for one in study.observations:
+        scale = study.scales.get(one.scale) if isinstance(one.scale, str) else one.scale
+        if one.file is None or not isinstance(scale, ResolutionScale | PitchScale):
+            continue
+        pitch = scale.mm_per_px if isinstance(scale, PitchScale) else MM_PER_INCH / scale.ppi
+        if words := other_resolution(read_resolution(folder / one.file), pitch):
+            found.setdefault(words, []).append(one.file)
+    for words, files in found.items():
+        yield f"{joined(files, 1)}: the file {words}"
 
 
 def _mapped(key: str, columns: Mapping[str, str], name: str, column: str) -> str:
