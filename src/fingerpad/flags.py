@@ -132,7 +132,7 @@ _FRAME: Final = (
     ),
     Flag(
         "out_of_step",
-        "area and force do not go together, as where frames are lost or times are wrong",
+        "the area does not follow the force, for lost frames or wrong times",
         "give the frames' own times (times), or check frame rate, trigger and force file",
         "pooling",
     ),

@@ -22,6 +22,7 @@ from fingerpad.image import (
     scan_texture,
     sequence_summary,
 )
+from fingerpad.image.sequence.force import zero_before_contact
 from fingerpad.image.sequence.jump import find_jump
 from fingerpad.simulate import render_sequence
 
@@ -117,14 +118,43 @@ def test_pictures_contradicting_force(results, signal):
     late = [replace(result, load=4.0 - result.load) for result in results]
     slow = [replace(result, load=0.01 * result.load) for result in results]
     for wrong in (late, slow):
-        (note,) = sequence_summary(wrong, signal).notes
+        *_, note = sequence_summary(wrong, signal).notes
         assert "area and force do not rise and fall together" in note
 
 
 def test_contact_without_force_is_noted(results, signal):
     offset = [replace(result, load=result.load - 0.2) for result in results]
-    (note,) = sequence_summary(offset, signal).notes
+    *_, note = sequence_summary(offset, signal).notes
     assert "frames show contact while the force is not above zero" in note
+
+
+@pytest.mark.parametrize("zero", [0.1, -0.1, 0.05])
+def test_the_level_of_the_force_before_contact_is_subtracted(frames, settings, signal, results, zero):
+    offset = ForceSignal(signal.time, signal.load + zero)
+    clock = FrameRate(FPS)
+    shifted = list(measure_sequence(frames, SCALE, clock=clock, force=offset, settings=settings))
+    np.testing.assert_allclose([r.load for r in shifted], [r.load for r in results], atol=0.01)
+    assert [r.phase for r in shifted] == [r.phase for r in results]
+    (note,) = sequence_summary(shifted, offset).notes
+    assert note.startswith(f"the force was {zero:.2g} N before first contact, which was subtracted")
+
+
+@pytest.mark.parametrize(
+    ("level", "area"),
+    [
+        (lambda time: 0.003 + 0 * time, [2, 5, 8]),  # does not matter
+        (lambda time: 0.1 * time, [2, 5, 8]),  # drifts
+        (lambda time: 0.02 + 0 * time, [2.0, 2.1, 2.2]),  # may be a touch too light to be seen
+        (lambda time: np.where(time > 2.5, 0, 1.5), [2, 5, 8]),  # a hold
+        (lambda time: np.where(time < 0.7, 0, time - 0.7), [2, 5, 8]),  # a touch not yet seen
+    ],
+)
+def test_what_may_be_no_zero_of_the_force_is_kept(level, area):
+    time = np.arange(0, 3, 0.01)
+    load = np.where(time < 1, level(time), level(time) + np.clip(time - 1, 0, 1))
+    force = ForceSignal(time, load + np.random.default_rng(1).normal(0, 0.002, time.size))
+    before, during = np.arange(10) / 10, np.array([1.0, 1.1, 1.2])
+    assert zero_before_contact(force, before, during, np.array(area)) == 0
 
 
 def test_short_force_flagged(frames, settings, signal):

@@ -164,7 +164,7 @@ def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir: Path) ->
     assert "from frame 6 to 7 the area grows by" in result.sequences[0].summary.notes[0]
     assert not result.rows["pooled"].any()
     assert set(result.rows["excluding_flags"]) == {"out_of_step"}
-    assert any("p: area and force do not go together" in words for words in doubtful_results(result))
+    assert any("p: the area does not follow the force" in words for words in doubtful_results(result))
 
 
 def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:

@@ -31,6 +31,18 @@ _MIN_FRAMES: Final = 5
 _LEAST_LOAD: Final = 0.02
 # A signal that goes so many times further below zero than above has the wrong sign.
 _REVERSED = 2.0
+# The zero of a force without contact: of so many frames and samples or more, in their first two thirds, whose
+# halves agree to this share; so many standard deviations from zero; more than this share of the largest load;
+# and no further than this share of the range above its lowest values, as a hold is.
+_MIN_BEFORE: Final = 4
+_WELL_BEFORE: Final = 2 / 3
+_STEADY: Final = 0.25
+_DEVIATIONS: Final = 5.0
+_LEAST_ZERO: Final = 0.005
+_LEAST_CONTACT: Final = 0.05
+# A touch is surely seen whose area is this share of the largest, or of that of the first frame in contact.
+_SEEN_OF_LARGEST: Final = 0.1
+_SEEN_OF_FIRST: Final = 1.2
 _REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
 
 
@@ -223,6 +235,34 @@ class FrameStamps(Displayed):
 
 
 FrameClock: TypeAlias = FrameRate | FrameStamps
+
+
+def zero_before_contact(force: ForceSignal, before: FloatArray, time: FloatArray, area: FloatArray) -> float:
+    """Return the level of a force without contact, N; 0 where it hardly differs from zero, or is not known.
+
+    `before` are times of frames without contact, the first contact excluded; `time` and `area` are of the
+    first frames in contact. The level is that of the first two thirds, since a touch may be too light to be
+    seen at the end. A touch of that load all the way would have been seen: by Hertz theory its area is a
+    tenth of the largest or more, or, by the last of the first frames in contact, larger than in the first.
+    """
+    if before.size < _MIN_BEFORE:
+        return 0.0
+    start, stop = before[0], before[0] + _WELL_BEFORE * (before[-1] - before[0])
+    level = force.load[(force.time >= start) & (force.time <= stop)]
+    if level.size < _MIN_BEFORE:
+        return 0.0
+    zero, low, high = float(np.median(level)), *np.quantile(force.load, [0.01, 1.0])
+    early, late = (float(np.median(half)) for half in np.array_split(level, 2))
+    steady = abs(early - late) < _STEADY * abs(zero)
+    clear = abs(zero) > _DEVIATIONS * float(level.std()) / math.sqrt(level.size)
+    matters = abs(zero) > _LEAST_ZERO * (high - zero) and zero < low + _LEAST_CONTACT * (high - low)
+    if not (steady and clear and matters):
+        return 0.0
+    if zero < 0:
+        return zero
+    of_largest, of_last = (zero / np.maximum([high, force.load_at(time[-1])], zero)) ** (2 / 3)
+    seen = of_largest > _SEEN_OF_LARGEST or of_last * area[-1] > _SEEN_OF_FIRST * area[0]
+    return zero if seen else 0.0
 
 
 def frame_clock(

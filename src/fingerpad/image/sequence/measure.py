@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import takewhile
 from typing import Final, TypeAlias, Unpack
 
 import cv2
@@ -24,7 +25,7 @@ from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions, crop
 from fingerpad.image.levels import Pixels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
-from fingerpad.image.sequence.force import ForceSignal, FrameClock
+from fingerpad.image.sequence.force import ForceSignal, FrameClock, zero_before_contact
 from fingerpad.image.sequence.frames import Frame, Frames, FramesLike, as_frames
 from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_intervals
 from fingerpad.image.sequence.result import FrameResult
@@ -237,7 +238,8 @@ def measure_sequence(
     clock : FrameRate or FrameStamps, optional
         Times of the frames on the clock of the force signal. Without it times are NaN.
     force : ForceSignal, optional
-        Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``.
+        Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``. What it
+        is before first contact is subtracted from loads, where that matters and no touch explains it.
     phases : PhaseIntervals, optional
         Phases on the clock of the force, as a person sets them.
     settings : SequenceSettings, optional
@@ -353,6 +355,20 @@ def _phase(
     return "loading" if phase == "before" else "unloading" if phase == "after" else phase
 
 
+def _zero(seen: list[FrameResult], force: ForceSignal, clock: FrameClock) -> float:
+    """Return what the force shows without contact, N, from the frames up to those of first contact."""
+    contacts = seen[-PERSISTENCE:]
+    without = takewhile(lambda result: result.measures is None, seen)
+    before, during = (
+        np.array([clock.time_of(result.index, contacts[0].index) for result in results])
+        for results in ([result for result in without if result.readable], contacts)
+    )
+    if not (np.isfinite(before).all() and np.isfinite(during).all()):
+        return 0.0
+    area = np.array([result.measures["gross_area_mm2"] for result in contacts if result.measures])
+    return zero_before_contact(force, before, during, area)
+
+
 def assign_times(
     results: Iterable[FrameResult],
     texture: FloatArray,
@@ -364,7 +380,8 @@ def assign_times(
     """Yield all results of a sequence with time, load and phase, once the first contact is known.
 
     Phases are those given, on the clock of the force; or those of the force; or, without it, those of
-    `texture` (`SequenceSettings.texture`).
+    `texture` (`SequenceSettings.texture`). Loads are less the level of the force before contact, where
+    `zero_before_contact` finds one.
     """
     count: int | None = None
     if phases is not None:
@@ -379,7 +396,7 @@ def assign_times(
 
     def placed(result: FrameResult) -> FrameResult:
         time = math.nan if clock is None else clock.time_of(result.index, first_contact)
-        load = math.nan if force is None else float(force.load_at(time))
+        load = math.nan if force is None else float(force.load_at(time)) - zero
         doubts = {
             "no_time": clock is not None and math.isnan(time),
             "no_force": force is not None and math.isnan(load),
@@ -390,7 +407,7 @@ def assign_times(
         return replace(timed, phase=phase, is_first_contact=result.index == first_contact)
 
     waiting: list[FrameResult] = []
-    run = 0
+    run, zero = 0, 0.0
     first_contact: int | None = None
     for result in results:
         if first_contact is not None:
@@ -400,6 +417,8 @@ def assign_times(
         run = run + 1 if result.measures is not None else 0
         if run == PERSISTENCE:
             first_contact = waiting[-PERSISTENCE].index
+            if force is not None and clock is not None:
+                zero = _zero(waiting, force, clock)
             yield from map(placed, waiting)
             waiting.clear()
     yield from map(placed, waiting)

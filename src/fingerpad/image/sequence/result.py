@@ -3,7 +3,7 @@
 import math
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +28,7 @@ class FrameResult(Displayed):
     time : float
         When it was taken, s, on the clock of the force signal; NaN where that is not known.
     load : float
-        Normal force W, N, NaN where there is none.
+        Normal force W, N, less its zero before contact, NaN where there is none.
     phase : {"before", "loading", "hold", "unloading", "after"} or None
         Phase of the press; None outside the force signal.
     measures : mapping or None
@@ -154,6 +154,18 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     )
 
 
+def _zero_subtracted(contacts: FloatArray, force: ForceSignal | None) -> Iterator[str]:
+    """Yield what was subtracted from the force of frames in contact, which have one load less than it."""
+    if force is None or not contacts.size:
+        return
+    zero = float(force.load_at(contacts[1, 0]) - contacts[2, 0])
+    if zero:
+        yield (
+            f"the force was {zero:.2g} N before first contact, which was subtracted from all loads: tare the "
+            "sensor before a press"
+        )
+
+
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
     """Count frames by outcome and phase in one pass over the results.
 
@@ -205,6 +217,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             f"{counts['no_force']} of {counts['all']} frames have no load"
         )
     seen = np.reshape(contacts, (-1, 5)).T
+    notes += _zero_subtracted(seen, force)
     doubt = _out_of_step(seen, force)
     flags = () if doubt is None else ("out_of_step",)
     if doubt is not None:
