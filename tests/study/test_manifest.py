@@ -12,6 +12,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.study.editing.template import write_example, write_template
 from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.manifest.models import ResolutionScale
+from fingerpad.study.manifest.sheet import Sheet
 
 FINGER = """
 [[fingers]]
@@ -245,6 +246,20 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, e
     (row,) = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
     assert (row.wedge_angle_deg, row.load_N, row.ellipse_mm.semi_major) == (22.5, 0.5, 5.3)
     assert row.notes == "größer, als 1,5 N"
+
+
+def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path: Path) -> None:
+    head = "name;finger;wedge_angle_deg;Load (mN);semi_major_mm;semi_minor_mm;ellipse_mm_std"
+    path = tmp_path / "rows.csv"
+    path.write_text(f"{head}\nb;index;45;300;5,3;4;0,1\nc;index;45;1500,5;5,3;4;0,1\n")
+    rows = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
+    assert [row.load_N for row in rows] == [0.3, 1.5005]
+    sheet = Sheet.parse("rows.csv", path.read_bytes())
+    sheet.change("b", {"load_N": 0.2504})
+    assert "b;index;45;250,4;5,3" in sheet.text()
+    path.write_text(f"{head}\nb;index;45;much;5,3;4;0,1\n")
+    with pytest.raises(ManifestError, match=r"rows.csv, line 2: load_N.*'much'"):
+        read_study(tmp_path / "study.toml")
 
 
 def test_a_workbook_of_observations_is_refused_since_its_rows_are_edited(tmp_path: Path) -> None:

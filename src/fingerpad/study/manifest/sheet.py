@@ -1,7 +1,7 @@
 """Observations kept in a spreadsheet: its headers are the keys of an observation.
 
-Headers may have their units in brackets too. It can be changed row by row; other rows stay as they were
-written.
+Headers may have their units in brackets too, and loads other units than N. It can be changed row by row;
+other rows stay as they were written.
 """
 
 import re
@@ -16,6 +16,7 @@ from fingerpad._tables import Table, parse_table, with_point
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.messages import Fault
 from fingerpad.study.manifest.models import Observation
+from fingerpad.units import FACTORS
 
 # A cell holds no table: these columns make the tables of an observation.
 _TABLE_COLUMNS: Final = {
@@ -43,7 +44,8 @@ class Sheet:
         self.name = table.name
         self._separator = table.separator
         self._titles = table.header
-        self._header = [_key(title) for title in table.header]
+        columns = [_key_and_factor(title) for title in table.header]
+        self._header, self._factors = [key for key, _ in columns], dict(columns)
         self._rows = table.rows
         self._decimal_commas = table.has_decimal_commas(
             cell.strip()
@@ -114,7 +116,8 @@ class Sheet:
         if key in _REPEATED:
             return intern(cell)
         copy = cell.encode(errors="surrogatepass").decode(errors="surrogatepass")
-        return with_point(copy) if self._decimal_commas and _QUANTITY.fullmatch(key) else copy
+        value = with_point(copy) if self._decimal_commas and _QUANTITY.fullmatch(key) else copy
+        return _times(value, self._factors[key])
 
     def __contains__(self, name: str) -> bool:
         """Tell whether an observation of this name is in it."""
@@ -168,12 +171,28 @@ class Sheet:
             cell = unescape_formula(csv_cell(value))
         except TypeError as error:
             raise ManifestError(f"{key}: {error}; move the row to the manifest") from error
+        cell = _times(cell, 1 / self._factors.get(key, 1.0))
         commas = self._decimal_commas and _QUANTITY.fullmatch(key)
         row[place] = cell.replace(".", ",") if commas else cell
 
 
-def _key(title: str) -> str:
-    """Return the key that a header means, as load_N by "Load (N)"; others as they are."""
+def _key_and_factor(title: str) -> tuple[str, float]:
+    """Return the key that a header means, as load_N by "Load (mN)", and the factor on cells in its unit.
+
+    Other headers are kept as they are.
+    """
     word, unit, _ = header_parts(title)
+    if word == "load" and unit in FACTORS["force"]:
+        return "load_N", FACTORS["force"][unit]
     key = "_".join(filter(None, (word.replace(" ", "_"), unit)))
-    return key if key in _KEYS else title
+    return (key if key in _KEYS else title), 1.0
+
+
+def _times(cell: str, factor: float) -> str:
+    """Return a number times a factor; what is no number as it is."""
+    if factor == 1:
+        return cell
+    try:
+        return f"{float(cell) * factor:.12g}"
+    except ValueError:
+        return cell
