@@ -171,6 +171,7 @@ def press(keys: str) -> str:
             (changed("[[observations]]", f"{keys}\n[[observations]]"), f"fingers.0.*{words}.*in index")
             for keys, words in (
                 ("effective_thickness_mm = 0.4", "expected greater than or equal to 0.5, found"),
+                ("effective_thickness_mm = inf", "leave it out where there is no bone"),
                 ("effective_thickness_mm_std = 1.0", "give both"),
                 ("effective_thickness_mm = 8\neffective_thickness_mm_std = 8", "uncertainty below the thick"),
             )

@@ -27,12 +27,19 @@ def not_tiny(value: float) -> float:
     return value
 
 
+def _over_bone(value: object) -> object:
+    """Refuse an infinite thickness, as a curve's may be, with the way out."""
+    if value == math.inf:
+        raise ValueError("leave it out where there is no bone: E by Hertz theory is that of deep tissue")
+    return value
+
+
 # Wide bounds that only a wrong unit or a typing error exceeds.
 Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False), AfterValidator(not_tiny)]
 Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False), AfterValidator(not_tiny)]
 LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
 # Of tissue over bone at a fingertip, with room on both sides: outside, the unit is wrong.
-TissueThickness = Annotated[float, Field(ge=0.5, le=50, allow_inf_nan=False)]
+TissueThickness = Annotated[float, BeforeValidator(_over_bone), Field(ge=0.5, le=50, allow_inf_nan=False)]
 Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False), AfterValidator(not_tiny)]
 RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 WedgeAngle = Annotated[float, Field(ge=0, le=90)]
