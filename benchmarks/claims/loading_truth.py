@@ -28,7 +28,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LoadingCurve, fit_loading_curve
 
 # Flags that say what the pad is like, not that a number is in doubt.
-DESCRIPTIVE = {"modulus_depends_on_load"}
+DESCRIPTIVE = {"modulus_depends_on_load", "modulus_falls_with_load"}
 QUANTITIES = ("initial_modulus", "loading_radius", "area_exponent", "contact_offset")
 TOP = 2.0
 SPEED = 1.0

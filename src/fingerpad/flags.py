@@ -260,6 +260,19 @@ _CURVE: Final = (
         "explain it",
     ),
     Flag(
+        "modulus_falls_with_load",
+        "a modulus that falls with load fits better than one modulus: a pad that relaxes does that, a stage "
+        "that yields, or a layer thicker than stated, and no other layer",
+        "state the modulus with its load and speed, and the compliance of the stage; record a hold and "
+        "the way out",
+    ),
+    Flag(
+        "relaxes",
+        "the pad relaxes: its modulus is that of this speed",
+        "state the speed with the modulus, press at the same speed in all records, and record a hold and the "
+        "way out; `fit_relaxation` fits a hold",
+    ),
+    Flag(
         "modulus_partly_decreases",
         "the modulus falls over a part of the loads, which is left out",
         "check friction and slip, or state the range of loads to fit",

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -12,7 +13,7 @@ from numpy.testing import assert_allclose
 from fingerpad import Estimate
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import LoadingFit, fit_loading_curve
+from fingerpad.loading import LoadingCurve, LoadingFit, find_cycles, fit_loading_curve, hysteresis
 from fingerpad.loading.contact_point import ESTIMATORS, contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
@@ -231,3 +232,52 @@ def test_a_file_is_no_curve() -> None:
         LoadingError, match="curve must be a LoadingCurve, found str: `read_loading_curve` reads"
     ):
         fit_loading_curve("curve.csv")
+
+
+def test_a_modulus_that_falls_with_load_is_not_said_to_grow() -> None:
+    fit = fit_loading_curve(yielding(stage_compliance=0.1, seed=1))
+    assert "modulus_falls_with_load" in fit.flags
+    assert "modulus_depends_on_load" not in fit.flags
+    assert fit.load_coefficient.value < 0
+    assert "grows with load" not in fit.report().replace("modulus growing with load", "")
+    assert "semi-axes" not in fit.report()
+
+
+def yielding(*, stage_compliance: float, seed: int) -> LoadingCurve:
+    """Return a Hertzian press whose displacement has what the stage yields."""
+    truth = {"points": 150, "load_coefficient": 0.0, "seed": seed}
+    elastic = simulate_loading_curve(**truth).load
+    curve = simulate_loading_curve(**truth, force_std=0.004, displacement_std=0.002, area_std=1.0)
+    return replace(curve, indentation=curve.indentation + stage_compliance * elastic)
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_the_exponent_of_the_load_holds_a_stage_that_yields(seed: int) -> None:
+    exponent = fit_loading_curve(yielding(stage_compliance=0.03, seed=seed)).load_exponent
+    assert exponent.lower < 1.5 < exponent.upper
+
+
+@pytest.mark.parametrize(
+    ("truth", "words"),
+    [
+        ({"relaxation": [(0.5, 1.0)]}, "the force grows as ξ\\^1.3"),
+        ({"relaxation": [(0.3, 1.0)], "hold": 1.0, "unloading": True, "hysteresis": 0.0}, "gives back 7"),
+        ({"load_coefficient": 0.02, "unloading": True}, ""),
+        ({"unloading": True}, ""),
+    ],
+)
+def test_a_pad_that_relaxes_is_flagged_and_an_elastic_one_is_not(truth, words) -> None:
+    noise = {"force_std": 0.005, "displacement_std": 0.003, "area_std": 1.0}
+    pad = {"load_coefficient": 0.0, "rate": 0.5, "points": 200} | truth
+    fit = fit_loading_curve(simulate_loading_curve(**pad, **noise, seed=1))
+    assert ("relaxes" in fit.flags) == bool(words)
+    assert re.search(words, fit.notes.get("relaxes", ""))
+    assert "modulus_falls_with_load" not in fit.flags
+
+
+def test_a_way_out_that_ends_early_loses_no_energy() -> None:
+    curve = simulate_loading_curve(points=400, unloading=True, hysteresis=0.0)
+    part = LoadingCurve(**{name: getattr(curve, name)[:290] for name in ("load", "indentation", "time")})
+    lost = hysteresis(part, find_cycles(part)[0])
+    assert lost is not None
+    assert abs(lost.fraction) < 0.01

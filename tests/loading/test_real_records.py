@@ -45,6 +45,10 @@ def test_modulus_and_its_uncertainty_hold_the_reference(name: str, every: int) -
     assert found.std < 0.15 * found.value
 
 
+def test_adhesion_on_the_way_out_is_not_said_to_be_relaxation() -> None:
+    assert all("relaxes" not in fitted(name).flags for name in RECORDS)
+
+
 def test_a_slip_does_not_end_the_range_in_which_the_modulus_grows() -> None:
     fit = fitted("chiaro_gel.csv")
     assert "modulus_partly_decreases" not in fit.flags

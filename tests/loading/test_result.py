@@ -88,6 +88,16 @@ def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
     assert text == fit.summary()
 
 
+def test_the_answer_and_the_exponent_say_what_layer_was_stated() -> None:
+    curve = simulate_loading_curve(points=100, seed=1, load_coefficient=0.0, **NOISE)
+    thick, endless = (fit_loading_curve(curve, thickness=t).report() for t in (20.0, np.inf))
+    assert re.search(r"  E = [^\n]* N, on a layer of 20 mm", thick)
+    assert "half-space" not in thick
+    assert "W ∝ ξ^m × layer's factor" in thick
+    assert re.search(r"  E = [^\n]* N, of a half-space\n", endless)
+    assert "layer's factor" not in endless
+
+
 def test_the_report_compares_explanations_with_the_criterion_that_weighs_them() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=100, seed=2, load_coefficient=0.0, **NOISE))
     hertz, text = fit.models["hertz"].aicc, fit.report()

@@ -240,7 +240,7 @@ class Hysteresis(Displayed):
     energy : float
         ∮W dξ, N mm = mJ.
     fraction : float
-        Share of the work of loading.
+        Share of the work of loading, where the platen came back.
     """
 
     energy: float
@@ -356,11 +356,11 @@ def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
     zero = float(np.mean(curve.load[cycle.baseline.rows])) if cycle.baseline else 0.0
     last = cycle.unloading.stop
     depth, load = curve.indentation[cycle.loading.start : last], curve.load[cycle.loading.start : last] - zero
-    # Only down to where the platen was at first contact, so that both ways cover the same ground.
-    back = np.arange(depth.size) < len(cycle.loading)
-    kept = back | (depth >= depth[0])
+    # Only where both ways were, which is not before first contact.
+    kept = depth >= max(depth[0], depth[len(cycle.loading) :].min())
+    way_in = kept & (np.arange(depth.size) < len(cycle.loading))
     energy = float(np.trapezoid(load[kept], depth[kept]))
-    work = float(np.trapezoid(load[back], depth[back]))
+    work = float(np.trapezoid(load[way_in], depth[way_in]))
     return Hysteresis(energy=energy, fraction=energy / work) if work > 0 else None
 
 

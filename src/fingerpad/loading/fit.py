@@ -1,7 +1,7 @@
 """Radius, moduli, contact point and exponents of one loading curve, in one call."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,13 @@ from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.contact_point import ESTIMATORS
-from fingerpad.loading.curve import LoadingCurve, choose_cycle, hysteresis, rows_in_contact
+from fingerpad.loading.curve import (
+    LoadingCurve,
+    choose_cycle,
+    hysteresis,
+    moving_average,
+    rows_in_contact,
+)
 from fingerpad.loading.joint import (
     NO_AREA,
     NO_RADIUS,
@@ -57,6 +63,15 @@ _SIMULATED = 20
 # An area that grows by less than this share of itself does not grow.
 _FLAT = 1e-9
 _FEWEST_AREAS = 5
+HERTZ_EXPONENT = 1.5
+# Share of the work lost by the way out from which the modulus depends on speed, in linear viscoelasticity by
+# some 20 % for ten times the speed; the stage's friction of 2 % of the load loses a tenth. A pull deeper than
+# this share of the load may be adhesion that loses as much.
+_LOST, _PULL = 0.2, 0.05
+# Standard uncertainties and distance by which the exponent of a pad that relaxes is below Hertz's.
+_SURE, _SLOWER = 3.0, 0.025
+# Weight below which an explanation cannot move an end of a 95 % interval.
+_NEGLIGIBLE = 0.005
 
 
 def fit_loading_curve(
@@ -153,9 +168,11 @@ def fit_loading_curve(
         compared = compare(allow_for_bend(main))
         main = compared.main
         models = _models(main)
-        grows = "hertz" in models and models["hertz"].aicc > main.aicc + DECISIVE
         known = press.record.area.size > 0 or loading_radius is not None
         found, added = _quantities(compared, models, known=known)
+        of_force = _force_doubts(
+            models, relaxes=_relaxation_note(curve, press, cycle, compared, found["load_exponent"])
+        )
         by_law = None
         if chosen is not None and chosen.pull_off is not None:
             if thickness is not None:
@@ -188,13 +205,17 @@ def fit_loading_curve(
             unexplained=compared.unexplained,
             rows=main.record,
             law=by_law,
-            notes={**compared.doubts, **({} if by_law is None else by_law.notes)},
+            notes={
+                **compared.doubts,
+                **{flag: words for flag, words in of_force.items() if words},
+                **({} if by_law is None else by_law.notes),
+            },
             flags=(
                 *_implausible(main, loading_radius, known=known),
                 *press.flags,
                 *doubts,
                 *compared.doubts,
-                *(("modulus_depends_on_load",) if grows else ()),
+                *of_force,
                 *(() if by_law is None else (flag for flag in by_law.flags if flag in by_law.notes)),
             ),
         )
@@ -269,13 +290,56 @@ def _main_fit(
     return main, limits, doubts
 
 
+def _relaxation_note(
+    curve: LoadingCurve, press: Press, chosen: int, compared: Comparison, exponent: Estimate
+) -> str:
+    """Return how the record shows that the pad relaxes; empty where it does not.
+
+    Work is lost to adhesion as well, which a pull shows, and to friction of the stage, less than the limit.
+    """
+    cycle = press.cycles[chosen]
+    lost = hysteresis(curve, cycle)
+    if lost is not None and cycle.unloading is not None and lost.fraction > _LOST:
+        zero = curve.load[cycle.baseline.rows].mean() if cycle.baseline else 0.0
+        way_out = moving_average(curve.load[cycle.unloading.rows]) - zero
+        back = np.ptp(curve.indentation[cycle.unloading.rows])
+        if way_out.min() > -_PULL * compared.main.top_load and back > compared.main.depth / 2:
+            return (
+                f"the way out gives back {max(1 - lost.fraction, 0.0):.0%} of the work of the way in, as of "
+                "a pad that relaxes: its modulus is that of this speed"
+            )
+    on_layer = compared.main.values.get("inverse_thickness", 0.0) > 0
+    if on_layer or compared.unexplained or not exponent.known:
+        return ""
+    sure = exponent.value + _SURE * exponent.std < HERTZ_EXPONENT
+    if sure and exponent.upper < HERTZ_EXPONENT - _SLOWER:
+        return (
+            f"the force grows as ξ^{exponent.value:.2f}, more slowly than by Hertz's law and all that was "
+            "compared, as of a pad that relaxes while it is pressed: its modulus is that of this speed"
+        )
+    return ""
+
+
+def _force_doubts(models: Mapping[str, JointFit], relaxes: str) -> dict[str, str]:
+    """Return flags of a force that no Hertzian pad has, and what they mean here where that is more."""
+    main = models[MAIN]
+    varies = "hertz" in models and models["hertz"].aicc > main.aicc + DECISIVE
+    falls = main.values["load_coefficient"] < 0
+    doubts = {
+        "relaxes": (bool(relaxes), relaxes),
+        "modulus_depends_on_load": (varies and not falls, ""),
+        # A pad that relaxes says why.
+        "modulus_falls_with_load": (varies and falls and not relaxes, ""),
+    }
+    return {flag: words for flag, (seen, words) in doubts.items() if seen}
+
+
 def _uncertainties(compared: Comparison) -> dict[str, LawUncertainty]:
     """Return how well the model and the other explanations are known, as far as their loads depend on it."""
-    fits = {key: compared.best if key == compared.best_name else one for key, one in compared.rivals.items()}
-    main_weight = 1 - sum(compared.weights[key] for key in fits)
+    main_weight = 1 - sum(compared.weights[key] for key in compared.fits)
     return {
         MAIN: _uncertainty(compared.main, main_weight),
-        **{key: _uncertainty(one, compared.weights[key]) for key, one in fits.items()},
+        **{key: _uncertainty(one, compared.weights[key]) for key, one in compared.fits.items()},
     }
 
 
@@ -305,12 +369,13 @@ def _uncertainty(fit: JointFit, weight: float) -> LawUncertainty:
     )
 
 
-def _models(main: JointFit) -> dict[str, JointFit]:
-    """Return the laws of this library under one noise, those that can be fitted."""
-    start = {**main.values, "load_exponent": 1.5}
+def _models(main: JointFit, laws: Iterable[str] = ("hertz", "free_exponent")) -> dict[str, JointFit]:
+    """Return a fit of the growing modulus and other laws under its noise, those that can be fitted."""
+    start = {**main.values, "load_exponent": HERTZ_EXPONENT}
     start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * main.top_load
     begins = {"hertz": {**start}, "free_exponent": start}
     del begins["hertz"]["load_exponent"]
+    begins = {law: begins[law] for law in laws}
     return {MAIN: main, **dict(fits_under(main.noise, main.record, begins, main.held))}
 
 
@@ -344,11 +409,7 @@ def _quantities(
     reduction = 1 / (1 - main.record.poisson_ratio**2)
     found |= {
         "reduced_modulus": found["youngs_modulus"].times(reduction),
-        "load_exponent": (
-            bounded(models["free_exponent"].estimate("load_exponent"))
-            if "free_exponent" in models
-            else Estimate.unknown("a power law with free exponent does not fit the curve")
-        ),
+        "load_exponent": load_exponent(compared, models),
         "area_exponent": area_exponent(compared) if known else Estimate.unknown(NO_RADIUS),
     }
     return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
@@ -366,7 +427,7 @@ def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], une
         if law == "hertz":
             values |= {"initial_modulus": values["youngs_modulus"], "load_coefficient": 0.0}
         elif law == "free_exponent":
-            values["youngs_modulus"] *= model.depth ** (values["load_exponent"] - 1.5)
+            values["youngs_modulus"] *= model.depth ** (values["load_exponent"] - HERTZ_EXPONENT)
         elif name == "youngs_modulus":
             values[name] = value
         if name in values:
@@ -459,7 +520,49 @@ def _increasing_range(fit: JointFit, record: FitData) -> tuple[float, float]:
     return low, high
 
 
-# --- exponent of the area, and place of contact by other methods ---
+# --- exponents of load and area, and place of contact by other methods ---
+
+
+def load_exponent(compared: Comparison, models: Mapping[str, JointFit]) -> Estimate:
+    """Return m of the power law, with the uncertainty of what else could explain the curve.
+
+    A layer that is not stated is what the exponent describes, and a sphere has the paraboloid's here.
+    """
+    if "free_exponent" not in models:
+        return Estimate.unknown("a power law with free exponent does not fit the curve")
+    own = bounded(models["free_exponent"].estimate("load_exponent"))
+    if not own.known:
+        return own
+    found, weights = [own], [1.0]
+    for name, fit in compared.fits.items():
+        weight = compared.weights[name]
+        if weight < _NEGLIGIBLE or name == "exact_sphere" or name.endswith("inverse_thickness"):
+            continue
+        if name == "hertz_stage_compliance":
+            other = Estimate.symmetric(HERTZ_EXPONENT, 0.0)
+        else:
+            other = _exponent_by(fit)
+        if other.known and math.isfinite(other.std):
+            found.append(other)
+            weights.append(weight)
+    weights[0] -= sum(weights[1:])
+    # The value stays the model's, and so does its own uncertainty.
+    whole = average_models(found, weights, value=own.value)
+    return replace(whole, interval=(min(whole.lower, own.lower), max(whole.upper, own.upper)))
+
+
+def _exponent_by(rival: JointFit) -> Estimate:
+    """Return m of the power law in place of the growing modulus in an explanation, with its stage."""
+    held, stage = dict(rival.held), "stage_compliance"
+    if stage in rival.values:
+        # A power law leaves the stage open.
+        held[stage] = rival.estimate(stage)
+    law = _models(replace(rival, held=held), ("free_exponent",)).get("free_exponent")
+    return (
+        Estimate.unknown("a power law does not fit it")
+        if law is None
+        else bounded(law.estimate("load_exponent"))
+    )
 
 
 def area_exponent(compared: Comparison) -> Estimate:

@@ -550,8 +550,11 @@ def _notes(
 ) -> dict[str, str]:
     """Return flags with their meaning."""
     notes = {}
+    grown = models.get("layer_load_dependent")
+    falls = grown is not None and grown.values["load_coefficient"] < 0
+    varies, way = ("modulus_falls_with_load", "falls") if falls else ("modulus_depends_on_load", "grows")
     for added, flag, words in (
-        ("_load_dependent", "modulus_depends_on_load", "a modulus that grows with load"),
+        ("_load_dependent", varies, f"a modulus that {way} with load"),
         ("_area_offset", "area_offset", "areas with an offset at contact, as from a late camera,"),
     ):
         rival = models.get(f"layer{added}")

@@ -190,7 +190,7 @@ class LoadingFit(Recorded):
     initial_modulus, load_coefficient : Estimate
         E_0g (MPa) and β (MPa/N) of E_g = E_0g + β W.
     load_exponent : Estimate
-        m of W ∝ ξ^m; 3/2 for Hertz.
+        m of W ∝ ξ^m; 3/2 for Hertz. With a thickness, of W over the layer's factor; n is the record's.
     area_exponent : Estimate
         n of A ∝ W^n; 2/3 for Hertz.
     modulus_load : float
@@ -355,6 +355,7 @@ class LoadingFit(Recorded):
     def _quantities(self) -> Iterator[tuple[str, str, Estimate, str]]:
         """Return key, words, estimate and unit of each quantity, moduli in kPa."""
         at = f" at {self.modulus_load:.3g} N"
+        layer = " × layer's factor" if self.main.values.get("inverse_thickness") else ""
         for name, unit, words in (
             ("loading_radius", "mm", "loading radius R_g"),
             ("reduced_modulus", "kPa", f"reduced modulus E*{at}"),
@@ -362,7 +363,7 @@ class LoadingFit(Recorded):
             ("initial_modulus", "kPa", "initial modulus E_0g"),
             ("load_coefficient", "kPa/N", "its growth with load β"),
             ("contact_offset", "mm", "place of contact x₀"),
-            ("load_exponent", "", "exponent of load m, W ∝ ξ^m"),
+            ("load_exponent", "", f"exponent of load m, W ∝ ξ^m{layer}"),
             ("area_exponent", "", "exponent of area n, A ∝ W^n"),
         ):
             found = getattr(self, name)
@@ -385,7 +386,9 @@ class LoadingFit(Recorded):
             return "E is not known; why stands below"
         value = value_with_uncertainty(found.value, found.std)
         doubt = f", doubtful: {', '.join(self.flags)}" if self.flags else ""
-        return f"E = {value} kPa at {self.modulus_load:.3g} N, of a half-space{doubt}"
+        inverse = self.main.values.get("inverse_thickness", 0.0)
+        of = f"on a layer of {1 / inverse:.3g} mm" if inverse else "of a half-space"
+        return f"E = {value} kPa at {self.modulus_load:.3g} N, {of}{doubt}"
 
     def _lines(self) -> Iterator[str]:
         main = self.main

@@ -137,6 +137,11 @@ class Comparison(Displayed):
     doubts: Mapping[str, str]  # flags, and what they mean here in plain words
 
     @property
+    def fits(self) -> dict[str, JointFit]:
+        """The rivals, the best of them with its own noise."""
+        return {key: self.best if key == self.best_name else one for key, one in self.rivals.items()}
+
+    @property
     def too_thin(self) -> str:
         """Why no modulus is known: a layer thinner than tissue can be is far ahead; empty where none is."""
         name = "inverse_thickness"
@@ -162,10 +167,7 @@ class Comparison(Displayed):
         """
         if not estimate.known:
             return estimate, 0.0
-        found = {
-            key: _sum_of(self.best if key == self.best_name else rival, gradient)
-            for key, rival in self.rivals.items()
-        }
+        found = {key: _sum_of(fit, gradient) for key, fit in self.fits.items()}
         own = estimate.with_error(spread * math.sqrt(self.unexplained))
         if "correlated_area" in self.doubts and name == "loading_radius":
             own = own.stretched(_CORRELATED)
