@@ -189,8 +189,7 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
             continue
         if state := _thickness_keys(layer):
             del bare[name]
-            modulus = layer.youngs_modulus.times(KPA_PER_MPA)
-            yield f"{state} of {name}, from its curve {curve.name}: E is {modulus} kPa on that layer"
+            yield f"{state}, for {name} ({curve.name})"
     if bare:
         named = joined(bare, _MOST_NAMED)
         yield f"state the thickness of the tissue over bone of {named}, where Hertz theory is off"
@@ -362,14 +361,18 @@ def _curve_flags(curve: CurveResult, result: StudyResult) -> Iterator[Flag]:
 
 
 def _thickness_keys(layer: LayerThicknessFit) -> str:
-    """Say how to state the thickness of the tissue that a curve tells; empty where it tells none."""
+    """Say how to state the thickness that a curve tells, and its E; empty where it tells none."""
     if not (layer.youngs_modulus.known and layer.preferred_model.startswith("layer")):
         return ""
     t = layer.thickness
     if not 0 < t.lower < t.upper < math.inf or THICKER_THAN_FINGER in layer.notes:
         return ""
     value, std = value_with_uncertainty(t.value, t.std).split(" ± ")
-    return f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}"
+    modulus = layer.youngs_modulus.times(KPA_PER_MPA)
+    return (
+        f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}, with which the curve "
+        f"gives E = {modulus} kPa"
+    )
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
