@@ -246,7 +246,7 @@ _CURVE: Final = (
     Flag(
         "law_out_of_range",
         "the contact law says that it does not hold at the parameters found",
-        "read its note, and take a law that does",
+        "take a law that does",
     ),
     Flag(
         "radius_contradicts_area",
@@ -281,7 +281,7 @@ _CURVE: Final = (
     Flag(
         "misfit",
         "another explanation fits the curve better",
-        "read its note, and measure or state what it names, such as the stage's compliance",
+        "measure or state what it names, such as the stage's compliance",
     ),
     Flag(
         "area_offset",

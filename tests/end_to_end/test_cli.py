@@ -462,6 +462,14 @@ def test_measure_sequence(tmp_path: Path) -> None:
     (tmp_path / "times.csv").write_text("time_s\n0\n1\n")
     code, _, err = run(*common, "--times", tmp_path / "times.csv")
     assert (code, "there is no use for --frames-per-second" in err) == (2, True)
+    stamps = "\n".join(f"{k / 11}" for k in range(load.size))
+    (tmp_path / "zeiten.csv").write_text(f"Zeit\n{stamps}\n")
+    timed = (*common[:5], "--json", "--times", tmp_path / "zeiten.csv")
+    code, _, err = run(*timed)
+    assert (code, "--column frame_time=HEADER:UNIT" in err) == (2, True)
+    named = json.loads(run(*timed, "--column", "frame_time=Zeit:s")[1])
+    assert [frame["time_s"] for frame in named] == pytest.approx(np.arange(load.size) / 11)
+    assert "names the column of --times" in run(*common, "--column", "frame_time=Zeit:s")[2]
     code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--frames-per-second", -1)
     assert code == 2
     assert "--frames-per-second" in err

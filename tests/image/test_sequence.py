@@ -171,6 +171,14 @@ def test_short_force_flagged(frames, settings, signal):
     assert "28 of 49 frames" in note
 
 
+def test_a_force_in_another_unit_of_time_is_noted(results, signal):
+    contacts = [result for result in results if result.measures][:6]  # too few to compare area and force
+    assert sequence_summary(contacts, signal).notes == ()
+    slow = ForceSignal(1000 * signal.time, signal.load)
+    note, *_ = sequence_summary([replace(one, load=slow.load_at(one.time)) for one in contacts], slow).notes
+    assert note.startswith("the force lasts 4199 s and the frames 0.25 s: is one of their times in another")
+
+
 def test_missing_stamps_flagged(frames, settings, signal):
     clock = FrameStamps(TIME[:40])
     stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))

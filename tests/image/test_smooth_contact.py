@@ -108,6 +108,15 @@ def test_a_picture_without_a_contact_is_refused_and_can_be_drawn():
     assert math.isnan(drawn.ridge_area)
 
 
+@pytest.mark.parametrize("seed", [10, 11, 12])
+def test_noise_alone_is_refused_without_a_warning(seed):
+    rng = np.random.default_rng(seed)
+    levels = 205 + rng.normal(0, 5, (2, 60, 60))
+    image, ground = np.rint(levels).clip(0, 255).astype(np.uint8)
+    with pytest.raises(ImageError, match="no contact found|one compact patch"):
+        measure_contact_image(image, _SCALE, surface="smooth", background=ground)
+
+
 def test_a_manual_edit_moves_the_outline_and_is_flagged():
     image, ground = _picture()
     prepared = prepare_contact_image(image, _SCALE, surface="smooth", background=ground)

@@ -4,7 +4,7 @@ import itertools
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias, TypeVar
 
 import typer
 from typer import Argument, Option
@@ -34,6 +34,9 @@ Overlay: TypeAlias = Annotated[Path | None, Option(help="Folder for pictures of 
 Roi: TypeAlias = Annotated[
     str | None, Option(metavar="R0,C0,R1,C1", help="Rows and columns of the part to look at, px.")
 ]
+
+# The quantity of --column that is the time in the table of --times.
+_FRAME_TIME: Final = "frame_time"
 
 app = typer.Typer(cls=Group, rich_markup_mode=None, help="Measure pictures.", no_args_is_help=True)
 
@@ -239,7 +242,8 @@ def measure_frames(
     """Measure the contact in every frame of a sequence, against time and force.
 
     The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
-    passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time.
+    passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time,
+    in a column time_s or as --column frame_time=NAME:UNIT says.
 
     Contacts without ridges, of silicone or a gel, take --surface smooth; the first frame, before touch, is
     the background where none is given.
@@ -259,12 +263,13 @@ def measure_frames(
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
     frames = open_frames(path)
-    columns = options.columns_of(column, "time", "force", "trigger", "displacement")
+    columns = options.columns_of(column, "time", "force", "trigger", "displacement", _FRAME_TIME)
+    frame_time = columns.pop(_FRAME_TIME, None)
     if columns and force is None:
         raise LoadingError("--column names columns of --force: give it too")
     with columns_named_by(options.column_flags):
         signal = None if force is None else read_force_signal(force, columns)
-    clock = _clock(frames, frames_per_second, signal, start_s, contact_load_n, times)
+    clock = _clock(frames, frames_per_second, signal, start_s, contact_load_n, times, frame_time)
     options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
         make_folder(overlay_dir)
@@ -302,8 +307,10 @@ def _clock(
     start_s: float | None,
     contact_load: float | None,
     times: Path | None,
+    frame_time: str | None,
 ) -> "FrameClock | None":
     """Return the frames' clock, or None where no rate is known."""
+    from fingerpad._columns import columns_named_by
     from fingerpad.image import frame_clock, read_frame_stamps
 
     aligned = {
@@ -315,7 +322,10 @@ def _clock(
     if times is not None:
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
-        return read_frame_stamps(times)
+        with columns_named_by(lambda found: options.column_flags({_FRAME_TIME: found["time"]})):
+            return read_frame_stamps(times, None if frame_time is None else {"time": frame_time})
+    if frame_time is not None:
+        raise LoadingError(f"--column {_FRAME_TIME}=NAME:UNIT names the column of --times: give it too")
     rate = frames.frames_per_second if frames_per_second is None else frames_per_second
     if rate is not None:
         return frame_clock(

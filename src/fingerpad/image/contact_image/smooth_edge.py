@@ -344,6 +344,8 @@ def _running_median(values: FloatArray) -> FloatArray:
 def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
     """Return medians along an axis, NaN where there is nothing, which NumPy would warn of."""
     nothing = np.isnan(values).all(axis=axis)
+    if nothing.all():
+        return np.full(nothing.shape, np.nan)
     found = np.nanmedian(np.where(np.expand_dims(nothing, axis), 0.0, values), axis=axis)
     return np.where(nothing, np.nan, found)
 

@@ -497,7 +497,8 @@ def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | No
     array([0.  , 0.04, 0.08])
     """
     path = Path(path)
+    time = read_columns(path, ("time",), columns=columns)["time"]
     try:
-        return FrameStamps(read_columns(path, ("time",), columns=columns)["time"])
+        return FrameStamps(time)
     except LoadingError as error:
-        raise LoadingError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
+        raise LoadingError(f"{path}: {error}") from error

@@ -119,6 +119,8 @@ _MIN_FRAMES_TO_COMPARE = 8
 _MIN_CORRELATION = 0.5
 # A sequence whose load stays below this share of the largest force is timed wrongly, or cut.
 _MIN_LOAD_SHARE = 0.1
+# Times of force and frames that differ by such a factor may be in different units.
+_SPANS_APART = 100.0
 
 
 def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
@@ -166,6 +168,22 @@ def _zero_subtracted(contacts: FloatArray, force: ForceSignal | None) -> Iterato
         )
 
 
+def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mapping[str, int]) -> Iterator[str]:
+    """Yield how force and frames differ in the time they take, where that matters."""
+    (low, high), (start, end) = force.span, frames
+    lasting, shown = high - low, max(0.0, end - start)
+    if counts["no_force"]:
+        yield (
+            f"the force lasts {lasting:.4g} s (from {low:.4g} to {high:.4g} s), the frames {shown:.4g} s "
+            f"(from {start:.4g} to {end:.4g} s): {counts['no_force']} of {counts['all']} frames have no load"
+        )
+    if shown and not 1 / _SPANS_APART < lasting / shown < _SPANS_APART:
+        yield (
+            f"the force lasts {lasting:.4g} s and the frames {shown:.4g} s: is one of their times in another "
+            "unit, as milliseconds (time_ms)?"
+        )
+
+
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
     """Count frames by outcome and phase in one pass over the results.
 
@@ -208,14 +226,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
             start, end = min(start, result.time), max(end, result.time)
-    notes = []
-    if force is not None and counts["no_force"]:
-        low, high = force.span
-        notes.append(
-            f"the force lasts {high - low:.4g} s (from {low:.4g} to {high:.4g} s), the frames "
-            f"{max(0.0, end - start):.4g} s (from {start:.4g} to {end:.4g} s): "
-            f"{counts['no_force']} of {counts['all']} frames have no load"
-        )
+    notes = [] if force is None else list(_spans_apart(force, (start, end), counts))
     seen = np.reshape(contacts, (-1, 5)).T
     notes += _zero_subtracted(seen, force)
     doubt = _out_of_step(seen, force)

@@ -569,7 +569,8 @@ def _summary_of(placed: Iterator[FrameResult], force: ForceSignal) -> tuple[Sequ
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:
     """Return the frames' clock on the force's time."""
     if sequence.times is not None:
-        return read_frame_stamps(folder / sequence.times)
+        with columns_named_by(lambda _: ""):  # no key of the manifest names columns of this table
+            return read_frame_stamps(folder / sequence.times)
     rate = sequence.frames_per_second or frames.frames_per_second
     if rate is None:
         raise LoadingError(f"{sequence.file}: pictures state no rate: give frames_per_second, or times")
