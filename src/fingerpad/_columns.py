@@ -24,7 +24,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
         *("displacement", "disp", "displ", "indentation", "indentation depth"),
         *("compressive displacement", "compressive extension"),
     ),
-    "area": ("area", "contact area"),
+    "area": ("area", "contact area", "gross area"),
     "time": ("time", "t", "elapsed time", "test time"),
 }
 # Force (N), force [N]; Force / N; force, N: these state a unit. force_N, force N, force in N: perhaps.
@@ -292,6 +292,8 @@ def _parsed(table: Table, column: _Column, texts: Sequence[str]) -> FloatArray:
         values = np.array(list(map(float, texts)))
     except ValueError:
         values = np.array([math.nan])
+    if not any(texts):
+        raise LoadingError(f"{table.name}: column {column.header!r} is empty: leave the column out")
     if np.isfinite(values).all():
         return values
     return np.array(

@@ -74,9 +74,15 @@ class Table:
         """Raise `error` if a line has cells beyond the last header."""
         for number, cells in self.rows:
             if len(cells) > len(self.header) and any(map(str.strip, cells[len(self.header) :])):
+                is_header = not any(_NUMBER.fullmatch(cell.strip()) for cell in cells)
+                way_out = (
+                    f"if {self.line(number)} is the header, delete the lines above it"
+                    if is_header
+                    else "decimal commas need semicolons or tabs between cells"
+                )
                 raise error(
                     f"{self.name}: {self.line(number)} has {len(cells)} cells under {len(self.header)} "
-                    "headers: decimal commas need semicolons or tabs between cells"
+                    f"headers: {way_out}"
                 )
 
     def hint(self, cell: str) -> str:

@@ -3,12 +3,13 @@
 import pickle
 from pathlib import Path
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad._columns import ColumnsError
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import read_loading_curve
+from fingerpad.loading import LoadingCurve, find_cycles, read_loading_curve
 from fingerpad.loading.curve import unread_curve_columns
 
 
@@ -182,6 +183,11 @@ def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path
         ("force_lb,displacement_mm\n1,2\n", "column 'force_lb' has unit 'lb'; force is read in N, mN"),
         ("force_N,displacement_kPa\n1,2\n", "column 'displacement_kPa' has unit 'kPa'"),
         ("force_N,displacement_mm\n1,2\nx,3\n", "line 3, column 'force_N': 'x' is not a finite number"),
+        ("force_N,displacement_mm,area_mm2\n1,2,\n2,3,\n", "'area_mm2' is empty: leave the column out"),
+        (
+            "Instrument\nOperator: me\nforce_N,displacement_mm\n1,2\n",
+            "line 3 has 2 cells under 1 headers: if line 3 is the header, delete the lines above it",
+        ),
         ("force_N,displacement_mm\n1,2\n,3\n", "'' is not a finite number: fill it in, or leave out the row"),
         (
             "Load (lbf),displacement_mm\n1,2\n",
@@ -208,3 +214,15 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read_loading_curve(path, {"force": "Fz:N"})
     with pytest.raises(LoadingError, match="has unit 'stone'"):
         read_loading_curve(path, {"force": "force_N:stone"})
+
+
+def test_the_gross_area_of_other_tables_of_ours_is_an_area(tmp_path) -> None:
+    path = tmp_path / "press.csv"
+    path.write_text("force_N,displacement_mm,gross_area_mm2\n0,0,0\n1,2,30\n")
+    assert read_loading_curve(path).area.tolist() == [0, 30]
+
+
+def test_a_record_of_the_way_out_alone_is_named() -> None:
+    depth = np.linspace(2, -1, 100)
+    with pytest.raises(LoadingError, match="the way out alone"):
+        find_cycles(LoadingCurve(load=np.maximum(depth, 0) ** 1.5, indentation=depth))

@@ -281,3 +281,16 @@ def test_a_way_out_that_ends_early_loses_no_energy() -> None:
     lost = hysteresis(part, find_cycles(part)[0])
     assert lost is not None
     assert abs(lost.fraction) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"area_delay": 50.0}, "area_delay is 50 s, and the whole record lasts .* 0.05 for 50 ms"),
+        ({"stage_compliance": 100.0}, "stage_compliance of 100 mm/N is .* mm/N, 0.1 for 100 µm/N"),
+        ({"thickness": 4000.0}, "thickness is 4000 mm, .* 4 for 4000 µm, or inf for a half-space"),
+    ],
+)
+def test_what_is_given_in_another_unit_is_refused_with_the_way_out(given, words) -> None:
+    with pytest.raises(LoadingError, match=words):
+        fit_loading_curve(CURVE, **given)

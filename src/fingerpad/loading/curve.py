@@ -314,6 +314,12 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     if not cycles:
         if both_reversed(curve.clock, curve.load, curve.indentation):
             raise LoadingError(BOTH_REVERSED)
+        few = max(1, curve.load.size // _SMOOTHING)
+        if curve.load[:few].mean() - curve.load[-few:].mean() > np.ptp(curve.load) / 2:
+            raise LoadingError(
+                "the displacement never grows, and the force falls with it: the record holds the way out "
+                "alone; record the way in, from before contact"
+            )
         raise LoadingError("the displacement never grows: it must grow into the pad; reverse its sign")
     return tuple(cycles)
 

@@ -53,6 +53,8 @@ _CONTACT_DEVIATIONS = 5.0
 _MIN_LOADING = 5
 # Parameters in which the residuals are linear.
 _ZEROS: Final = frozenset({"force_zero", "force_tilt", "area_offset"})
+# Of a layer that is stated, mm: beyond, the unit is wrong, or it is a half-space.
+THICKEST_LAYER: Final = 200.0
 NO_AREA = "no contact area in the curve"
 NO_RADIUS = f"{NO_AREA}, so its radius is not known: give a column area_mm2, or loading_radius"
 
@@ -560,6 +562,7 @@ def known_quantities(
         raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
     if "area_delay" in found and curve.time is None:
         raise LoadingError("area_delay is a time, and the curve has none: add its column of time")
+    _require_of_curve(curve, found)
     if "thickness" in found:
         layer = found.pop("thickness")
         if not layer.value > 0:
@@ -569,6 +572,29 @@ def known_quantities(
     if area_relative_std:
         found["area_gain"] = Estimate.symmetric(1.0, area_relative_std)
     return found
+
+
+def _require_of_curve(curve: LoadingCurve, given: Mapping[str, Estimate]) -> None:
+    """Raise where what is given is in another unit, as the curve shows."""
+    names = "area_delay", "stage_compliance", "thickness"
+    delay, stage, layer = (given[name].value if name in given else 0.0 for name in names)
+    longest = float(np.ptp(curve.clock))
+    if abs(delay) > longest > 0:
+        raise LoadingError(
+            f"area_delay is {delay:g} s, and the whole record lasts {longest:.3g} s: give it in seconds, "
+            f"{delay / 1000:g} for {delay:g} ms"
+        )
+    yields, travel = stage * float(np.ptp(curve.load)), float(np.ptp(curve.indentation))
+    if yields > travel > 0:
+        raise LoadingError(
+            f"a stage_compliance of {stage:g} mm/N is {yields:.3g} mm under this load, and the platen moves "
+            f"by {travel:.3g} mm: give it in mm/N, {stage / 1000:g} for {stage:g} µm/N"
+        )
+    if THICKEST_LAYER < layer < math.inf:
+        raise LoadingError(
+            f"thickness is {layer:g} mm, more than {THICKEST_LAYER:g}: give it in mm, {layer / 1000:g} for "
+            f"{layer:g} µm, or inf for a half-space"
+        )
 
 
 def check_std(name: str, std: float) -> None:
