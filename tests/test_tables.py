@@ -281,3 +281,19 @@ def test_a_workbook_without_its_reader_says_what_to_install() -> None:
 def test_a_bomb_is_never_unpacked() -> None:
     with patch.object(_tables, "_MOST_BYTES", 10_000), pytest.raises(LoadingError, match="when unpacked"):
         parse_table(workbook(sheet_xml([["a"] * 99] * 99)), "a.xlsx", LoadingError)
+
+
+def test_the_only_sheet_with_the_columns_is_read_and_a_sheet_without_is_named(tmp_path: Path) -> None:
+    notes, data = sheet_xml([["operator", "Ann"]]), sheet_xml([HEADER, [0.0, 1.0, 2.0]])
+    path = tmp_path / "press.xlsx"
+    for first, second in ((notes, data), (data, notes), (data, data)):
+        path.write_bytes(workbook(first, **{"xl/worksheets/sheet2.xml": second.encode()}))
+        assert read_loading_curve(path).load.tolist() == [1.0]
+    path.write_bytes(
+        workbook(
+            sheet_xml([["operator", "day"], ["Ann", "Monday"]]),
+            **{"xl/worksheets/sheet2.xml": notes.encode()},
+        )
+    )
+    with pytest.raises(LoadingError, match="sheet 'A'"):
+        read_loading_curve(path)

@@ -109,14 +109,16 @@ def read_columns(
     `required` and `optional` are quantities of `fingerpad.units.FACTORS`; `columns` leads from a quantity to
     ``"HEADER:UNIT"`` where the file's own headers differ. Arrays are in the library's units.
     """
-    table, given = _read_table(path), dict(columns or {})
+    given = dict(columns or {})
+    table = _read_table(path, required, given)
     found = _find_columns(table, [*required, *optional], given)
     missing = [name for name in required if name not in found]
     if missing:
         proposed = _proposed(table, missing, found, by_unit=missing)
+        lacking = " or ".join(f"{name}_{next(iter(FACTORS[name]))}" for name in missing)
+        sheet = f", sheet {table.sheet!r}" if table.sheet else ""
         raise ColumnsError(
-            f"{path}: no column {' or '.join(f'{name}_{next(iter(FACTORS[name]))}' for name in missing)}; "
-            f"found {', '.join(table.header)}",
+            f"{path}{sheet}: no column {lacking}; found {', '.join(table.header)}",
             _as_choices(given) | {name: proposed.get(name, ["HEADER:UNIT"]) for name in missing},
         )
     return _numbers(table, found)
@@ -131,7 +133,7 @@ def unread_columns(
     """
     if not path.is_file():  # a pipe, which can be read only once
         return {}
-    table = _read_table(path, head_only=True)
+    table = _read_table(path, quantities[:1], columns or {}, head_only=True)
     found = _find_columns(table, quantities, columns or {})
     missing = [name for name in quantities if name not in found]
     return _proposed(table, missing, found, by_unit=_TOLD_BY_UNIT)
@@ -145,9 +147,24 @@ def unread_notes(unread: Mapping[str, Sequence[str]], way_out: Callable[[str, st
             yield f"column {title!r} was not read; if it is the {name}{way_out(name, column)}"
 
 
-def _read_table(path: Path, *, head_only: bool = False) -> Table:
-    """Return a table with numbers under its header; units of a line of their own are in the header."""
-    table = read_table(path, LoadingError, head_only=head_only)
+def _read_table(
+    path: Path, required: Sequence[str], given: Mapping[str, str], *, head_only: bool = False
+) -> Table:
+    """Return a table with numbers under its header; units of a line of their own are in the header.
+
+    Of a workbook whose first sheet lacks a required quantity it is the only sheet that has all.
+    """
+
+    def is_wanted(header: list[str]) -> bool:
+        words = {header_parts(title, FACTORS[name])[0] for title in header for name in required}
+        return all(
+            given[name].rpartition(":")[0] in header
+            if name in given
+            else words & set(NAMES.get(name, (name,)))
+            for name in required
+        )
+
+    table = read_table(path, LoadingError, head_only=head_only, is_wanted=is_wanted)
     if table.rows and (units := _line_of_units(table.rows[0][1])):
         header = [
             f"{title} ({unit})" if unit else title for title, unit in zip(table.header, units, strict=False)

@@ -6,7 +6,8 @@ import re
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date, datetime
 from itertools import zip_longest
@@ -46,6 +47,7 @@ class Table:
     header: list[str]  # the cells of its first line; empty where it has none
     rows: list[tuple[int, list[str]]]  # the number of each other line that is not blank, and its cells
     separator: str  # what separates its cells, empty where it is no text file
+    sheet: str = ""  # of a workbook that has several
 
     def line(self, number: int) -> str:
         """Return how messages name a line."""
@@ -101,8 +103,17 @@ def with_point(cell: str) -> str:
     return cell.replace(",", ".") if _NUMBER.fullmatch(cell) else cell
 
 
-def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = False) -> Table:
-    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``."""
+def read_table(
+    path: Path,
+    error: type[FingerpadError],
+    *,
+    head_only: bool = False,
+    is_wanted: Callable[[list[str]], bool] | None = None,
+) -> Table:
+    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``.
+
+    Where the header of a workbook's first sheet is not wanted, the only sheet whose header is stands for it.
+    """
     if path.is_char_device():
         raise error(f"{path}: is a device, not a file")  # which may have no end
     try:
@@ -114,7 +125,7 @@ def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = Fal
         raise error(f"{path}: no such file: check the path") from None
     except OSError as fault:
         raise error(f"{path}: cannot be read ({fault.strerror})") from fault
-    return parse_table(content, str(path), error)
+    return parse_table(content, str(path), error, is_wanted=is_wanted)
 
 
 def _is_packed(path: Path, content: bytes) -> bool:
@@ -122,12 +133,19 @@ def _is_packed(path: Path, content: bytes) -> bool:
     return content[:4] in {b"PK\x03\x04", b"TDSm"} or path.suffix.lower() == ".mat"
 
 
-def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) -> Table:
+def parse_table(
+    content: bytes | str,
+    name: str,
+    error: type[FingerpadError],
+    *,
+    is_wanted: Callable[[list[str]], bool] | None = None,
+) -> Table:
     """Return the cells of a file's content, or of a text; errors are those of `read_table`."""
-    separator = ""
+    separator = sheet = ""
     lines: Iterable[tuple[int, list[str]]]
     if isinstance(content, bytes) and content[:4] == b"PK\x03\x04":
-        lines = enumerate(_sheet_cells(content, name, error), 1)
+        sheet, cells = _sheet_cells(content, name, error, is_wanted)
+        lines = enumerate(cells, 1)
     elif isinstance(content, bytes) and content[:4] == b"TDSm":
         lines = enumerate(_tdms_cells(content, name, error))
     elif isinstance(content, bytes) and (b"\x89HDF\r\n" in (content[:6], content[512:518])):
@@ -147,8 +165,13 @@ def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) ->
         except (UnicodeDecodeError, csv.Error) as fault:
             raise error(f"{name}: cannot be read as CSV ({fault})") from fault
     rows = [(number, row) for number, row in lines if any(map(str.strip, row))]
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
-    return Table(name=name, header=header, rows=rows[1:], separator=separator)
+    header = _header(row for _, row in rows)
+    return Table(name=name, header=header, rows=rows[1:], separator=separator, sheet=sheet)
+
+
+def _header(rows: Iterable[list[str]]) -> list[str]:
+    """Return the cells of the first row that is not blank."""
+    return next(([cell.strip() for cell in row] for row in rows if any(map(str.strip, row))), [])
 
 
 def _decoded(content: bytes) -> str:
@@ -176,15 +199,36 @@ def _separator(text: str) -> str:
     return max(",;\t", key=lines[0].count) if lines else ","
 
 
-def _sheet_cells(content: bytes, name: str, error: type[FingerpadError]) -> Iterator[list[str]]:
-    """Return the first sheet of a workbook: what is shown of formulas, dates as text."""
+def _sheet_cells(
+    content: bytes,
+    name: str,
+    error: type[FingerpadError],
+    is_wanted: Callable[[list[str]], bool] | None,
+) -> tuple[str, list[list[str]]]:
+    """Return a sheet of a workbook, and its name where there are several: dates as text, formulas' values.
+
+    It is the first one, or the only one whose header is wanted where that of the first is not.
+    """
     try:
         from python_calamine import CalamineError, CalamineWorkbook
     except ImportError as fault:
         raise error(f"{name}: reading XLSX needs python-calamine: pip install 'fingerpad[study]'") from fault
     try:
         book = CalamineWorkbook.from_filelike(io.BytesIO(_unpacked_workbook(content)))
-        cells = book.get_sheet_by_index(0).to_python(skip_empty_area=False)
+
+        def cells(sheet: str) -> list[list[str]]:
+            rows = book.get_sheet_by_name(sheet).to_python(skip_empty_area=False)
+            return [[_cell_text(cell) for cell in row] for row in rows]
+
+        first, *others = book.sheet_names
+        found = {first: cells(first)}
+        if others and is_wanted and not is_wanted(_header(found[first])):
+            wanted = {}
+            for sheet in others:
+                with suppress(CalamineError):  # a chart, or damaged
+                    if is_wanted(_header(rows := cells(sheet))):
+                        wanted[sheet] = rows
+            found = wanted if len(wanted) == 1 else found
     except _TooLarge as fault:
         raise error(f"{name}: {fault}: keep only the table in it, or save it as CSV") from None
     except (
@@ -192,7 +236,8 @@ def _sheet_cells(content: bytes, name: str, error: type[FingerpadError]) -> Iter
         *(RuntimeError, NotImplementedError, ValueError, KeyError),
     ) as fault:
         raise error(f"{name}: is no XLSX workbook, or a damaged one: save it as CSV") from fault
-    return ([_cell_text(cell) for cell in row] for row in cells)
+    ((sheet, rows),) = found.items()
+    return (sheet if others else ""), rows
 
 
 class _TooLarge(Exception):  # noqa: N818 (the reader's own, which raises the error that is asked for)

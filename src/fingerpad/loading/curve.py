@@ -135,7 +135,8 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
     ``Time (s), Load [mN], Disp / um``; other units are converted. Time and area may be absent. Columns of
     other names are left alone. Units may stand in a line of their own below the header. Cells are separated
     by commas, semicolons or tabs, the latter two with decimal points or commas. Of a workbook the first sheet
-    is read, of a MAT file (version 7 or below) the vectors, named as headers are.
+    is read, or the only one with force and displacement; of a MAT file (version 7 or below) the vectors,
+    named as headers are.
 
     Parameters
     ----------
