@@ -122,6 +122,22 @@ def test_pictures_contradicting_force(results, signal):
         assert "area and force do not rise and fall together" in note
 
 
+def test_a_long_hold_is_in_step(results, signal):
+    contacts = [result for result in results if result.measures]
+    rng, top = np.random.default_rng(2), max(contacts, key=lambda result: result.load)
+    hold = [
+        replace(
+            top,
+            index=100 + k,
+            time=signal.span[1] - 1e-3 * (300 - k),
+            load=top.load + rng.normal(0, 0.004),
+            measures={"gross_area_mm2": top.measures["gross_area_mm2"] * (1 + 1e-4 * k)},
+        )
+        for k in range(300)
+    ]
+    assert sequence_summary(contacts[:12] + hold, signal).flags == ()
+
+
 def test_contact_without_force_is_noted(results, signal):
     offset = [replace(result, load=result.load - 0.2) for result in results]
     *_, note = sequence_summary(offset, signal).notes
@@ -144,7 +160,7 @@ def test_the_level_of_the_force_before_contact_is_subtracted(frames, settings, s
     [
         (lambda time: 0.003 + 0 * time, [2, 5, 8]),  # does not matter
         (lambda time: 0.1 * time, [2, 5, 8]),  # drifts
-        (lambda time: 0.02 + 0 * time, [2.0, 2.1, 2.2]),  # may be a touch too light to be seen
+        (lambda time: 0.01 + 0 * time, [2.0, 2.1, 2.2]),  # may be a touch too light to be seen
         (lambda time: np.where(time > 2.5, 0, 1.5), [2, 5, 8]),  # a hold
         (lambda time: np.where(time < 0.7, 0, time - 0.7), [2, 5, 8]),  # a touch not yet seen
     ],

@@ -175,7 +175,13 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         )
     for line in doubtful_results(result):
         typer.echo(line)
-    for note in (*result.notes, *implausible_values(result), *moduli_apart(answers)):
+    of_sequences = (
+        f"{one.manifest.name}: {note}"
+        for one in result.sequences
+        if one.summary is not None
+        for note in one.summary.notes
+    )
+    for note in (*result.notes, *implausible_values(result), *moduli_apart(answers), *of_sequences):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)

@@ -41,7 +41,7 @@ _DEVIATIONS: Final = 5.0
 _LEAST_ZERO: Final = 0.005
 _LEAST_CONTACT: Final = 0.05
 # A touch is surely seen whose area is this share of the largest, or of that of the first frame in contact.
-_SEEN_OF_LARGEST: Final = 0.1
+_SEEN_OF_LARGEST: Final = 0.05
 _SEEN_OF_FIRST: Final = 1.2
 _REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
 
@@ -243,7 +243,7 @@ def zero_before_contact(force: ForceSignal, before: FloatArray, time: FloatArray
     `before` are times of frames without contact, the first contact excluded; `time` and `area` are of the
     first frames in contact. The level is that of the first two thirds, since a touch may be too light to be
     seen at the end. A touch of that load all the way would have been seen: by Hertz theory its area is a
-    tenth of the largest or more, or, by the last of the first frames in contact, larger than in the first.
+    twentieth of the largest or more, or, by the last frame in contact given, larger than in the first.
     """
     if before.size < _MIN_BEFORE:
         return 0.0

@@ -124,13 +124,16 @@ _SPANS_APART = 100.0
 
 
 def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
-    """Return whether the area follows the load, by their rank correlation."""
+    """Return whether the area follows the load, by the larger of two correlations.
+
+    In a long hold the ranks of the load are those of its noise; one outlier is enough for the linear one.
+    """
     if not (np.ptp(loads) > 0 and np.ptp(areas) > 0):
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
 
-    correlation, _ = stats.spearmanr(loads, areas)
-    return bool(correlation > _MIN_CORRELATION)
+    of_ranks, _ = stats.spearmanr(loads, areas)
+    return bool(max(of_ranks, np.corrcoef(loads, areas)[0, 1]) > _MIN_CORRELATION)
 
 
 def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
