@@ -304,9 +304,10 @@ def _relaxation_note(
         way_out = moving_average(curve.load[cycle.unloading.rows]) - zero
         back = np.ptp(curve.indentation[cycle.unloading.rows])
         if way_out.min() > -_PULL * compared.main.top_load and back > compared.main.depth / 2:
+            share = 100 * max(1 - lost.fraction, 0.0)
             return (
-                f"the way out gives back {max(1 - lost.fraction, 0.0):.0%} of the work of the way in, as of "
-                "a pad that relaxes: its modulus is that of this speed"
+                f"the way out gives back {share:.0f} % of the work of the way in, as of a pad that relaxes: "
+                "its modulus is that of this speed"
             )
     on_layer = compared.main.values.get("inverse_thickness", 0.0) > 0
     if on_layer or compared.unexplained or not exponent.known:
