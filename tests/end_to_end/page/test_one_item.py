@@ -13,7 +13,7 @@ def reviewed(study) -> list[str]:
     return [json.loads(line)["item"] for line in log.read_text().splitlines()] if log.exists() else []
 
 
-def settled(page: Page) -> None:
+def idle(page: Page) -> None:
     page.wait_for_load_state("networkidle")
     settle(page)
 
@@ -25,7 +25,7 @@ def test_a_double_click_deletes_one_scale(tab: Tab, demo) -> None:
     page.get_by_role("heading", name="Scale unused_a").wait_for()
     page.get_by_role("button", name="Delete").dblclick()
     page.locator(".scale-item", has_text="unused_a").wait_for(state="detached")
-    settled(page)
+    idle(page)
     scales = tomllib.loads((demo / "study.toml").read_text())["scales"]
     assert "unused_a" not in scales
     assert "unused_b" in scales
@@ -48,7 +48,7 @@ def test_a_double_click_and_a_held_key_judge_one_image(tab: Tab, demo) -> None:
         page.keyboard.down("x")  # as a key that is held does
         numbers(page)
     page.keyboard.up("x")
-    settled(page)
+    idle(page)
     assert len(reviewed(demo)) == 2
 
 
@@ -56,7 +56,7 @@ def test_a_double_click_opens_one_figure(tab: Tab, demo) -> None:
     page = tab.open("results/budget")
     page.get_by_role("button", name=re.compile("^Size, axes and colours")).first.dblclick()
     page.locator("dialog.figure-settings .preview[src]").wait_for()
-    settled(page)
+    idle(page)
     assert page.locator("dialog").count() == 1
 
 

@@ -158,9 +158,9 @@ export function pathOf(points, closed = true) {
 /** Points [row, column] as one path of dots: a stroke without length that has round ends is one. */
 export const dotsOf = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
-/** Buttons that are busy, and whether a click of the present double click has begun what takes a while. */
+/** Buttons that are busy, and whether a click of the present double click has started what takes a while. */
 const busy = new WeakSet();
-let begun = false;
+let started = false;
 
 /**
  * A button. A double click begins what takes a while once, whatever stands there by its second click; and the
@@ -174,11 +174,11 @@ let begun = false;
 export function button(words, onclick, { kind = "", key, label, ...attributes } = {}) {
   const press = (event) => {
     const node = event.currentTarget;
-    if (event.detail !== 2) begun = false; // who clicks on and on means each click
-    if (begun || busy.has(node)) return;
+    if (event.detail !== 2) started = false; // who clicks on and on means each click
+    if (started || busy.has(node)) return;
     const work = onclick(event);
     if (!(work instanceof Promise)) return;
-    begun = true;
+    started = true;
     busy.add(node);
     work.finally(() => busy.delete(node));
   };

@@ -103,7 +103,7 @@ function labelCells(table) {
   }
 }
 
-/** A row of cells, by the key of what it is about. @param {string} key @param {...any} cells */
+/** A row of cells, by the key of its item. @param {string} key @param {...any} cells */
 export const row = (key, ...cells) => h("tr", { key }, cells);
 
 /** A cell. @param {...any} content */
