@@ -333,8 +333,11 @@ def doubtful_results(result: StudyResult) -> Iterator[str]:
             yield f"doubtful: {row['observation']}: {words}"
     for words in to_do(contacts):
         yield f"to do: {words}"
+    found: dict[Flag, list[str]] = {}
     for name, count, flag in doubtful_frames(result):
-        yield f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}"
+        found.setdefault(flag, []).append(f"{name} ({counted(count, 'frame')})")
+    for flag, names in found.items():
+        yield f"doubtful: {', '.join(names)}: {flag.words}; to do: {flag.to_do}"
     for flag, names in doubtful_curves(result).items():
         yield f"doubtful: {', '.join(names)}: {flag.words}; to do: {flag.to_do}"
 
