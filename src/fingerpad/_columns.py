@@ -309,7 +309,7 @@ def _parsed(table: Table, column: _Column, texts: Sequence[str]) -> FloatArray:
         values = np.array(list(map(float, texts)))
     except ValueError:
         values = np.array([math.nan])
-    if not any(texts):
+    if len(texts) > 1 and not any(texts):
         raise LoadingError(f"{table.name}: column {column.header!r} is empty: leave the column out")
     if np.isfinite(values).all():
         return values
