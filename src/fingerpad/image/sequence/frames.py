@@ -190,9 +190,9 @@ class Frames(Displayed):
     @property
     def skipped(self) -> str | None:
         """What file names say of frames that are missing; None where they skip none."""
-        if self.numbers is None:
+        if (numbers := self.numbers) is None:
             return None
-        missing, files = np.diff(self.numbers) - 1, self._files
+        missing, files = np.diff(numbers) - 1, self._files
         at = int(np.argmax(missing > 0))
         places = np.count_nonzero(missing)
         where = f"in {places} places, the first " if places > 1 else ""

@@ -30,16 +30,16 @@ def find_jump(time: FloatArray, load: FloatArray, area: FloatArray, loading: Boo
     tested, apart = np.arange(2, time.size - 3), np.diff(time)
     around = tested + np.array([[-2], [-1], [1], [2]])
 
-    def change(of: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return each change, and the one expected from those around it."""
-        changes = np.diff(of)
-        return changes[tested], as_float_array(np.mean((changes / apart)[around], axis=0) * apart[tested])
+    def usual_of(changes: FloatArray) -> FloatArray:
+        """Return what is expected of each change from those around it."""
+        return as_float_array(np.mean((changes / apart)[around], axis=0) * apart[tested])
 
     by_load = area.max() * (np.maximum(load, 0) / load.max()) ** _HERTZ
-    (grown, usual), (driven, usually_driven) = change(area), change(by_load)
+    grown, driven = np.diff(area), np.diff(by_load)
     middle = (area[tested] + area[tested + 1]) / 2
-    excess = (grown - usual - np.maximum(driven - usually_driven, 0)) / middle
-    expected = np.mean(np.abs(np.diff(area) / apart)[around], axis=0) * apart[tested] / middle
+    faster = np.maximum(driven[tested] - usual_of(driven), 0)
+    excess = (grown[tested] - usual_of(grown) - faster) / middle
+    expected = usual_of(np.abs(grown)) / middle
     before, after = (np.log(area)[tested + np.array(near)[:, None]] for near in ([-2, -1, 0], [1, 2, 3]))
     both = loading[tested] & loading[tested + 1]
     if np.count_nonzero(both) < _MIN_TESTED:

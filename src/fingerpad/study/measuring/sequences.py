@@ -337,8 +337,8 @@ class OpenedSequence:
             for piece in self.pieces
         ]
         summary, chosen = _summary_of(self.placed(), self.force)
-        if self.sequence.times is None and self.frames.skipped:
-            summary = replace(summary, notes=(self.frames.skipped, *summary.notes))
+        if self.sequence.times is None and (skipped := self.frames.skipped):
+            summary = replace(summary, notes=(skipped, *summary.notes))
         draw = partial(images.draw, settings, summary, chosen)
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
