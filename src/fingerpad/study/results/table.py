@@ -4,8 +4,10 @@ Text is of dtype object, with None where nothing is known; the number of a frame
 and float64. Some rows of a table keep their index, which is their place in the whole.
 """
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+import csv
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
 from math import nan
 from typing import Any, Final, Literal, TypeAlias
 
@@ -58,213 +60,24 @@ class Column:
         return pd.Series(array, index=index, dtype=array.dtype, copy=False)
 
 
-def _text(name: str, meaning: str) -> Column:
-    return Column(name, "text", "", meaning)
+def _lines_of(file: str) -> Iterator[dict[str, str]]:
+    """Yield the lines of a table that belongs to the package, by its header."""
+    text = files("fingerpad.study.results").joinpath(file).read_text(encoding="utf-8")
+    return csv.DictReader(text.splitlines())
 
 
-def _number(name: str, unit: str, meaning: str, *, default: bool = True) -> Column:
-    return Column(name, "float", unit, meaning, default=default)
-
-
-def _with_std(name: str, unit: str, meaning: str, *, default: bool = True) -> tuple[Column, Column]:
-    """Return a column and that of its standard uncertainty."""
-    std = _number(f"{name}_std", unit, f"standard uncertainty of {name}", default=default)
-    return _number(name, unit, meaning, default=default), std
-
-
-def _part(name: str, unit: str, part: str) -> Column:
-    """Return the column of what one source adds to the standard uncertainty of another column."""
-    words = {"edge": "the contact's edge", "repeatability": "repeatability"}[part]
-    return _number(f"{name}_{part}_std", unit, f"the same from {words} alone", default=False)
-
-
-# Quantities with a verdict on the model.
-_JUDGED: Final = (
-    ("radius_from_indentation_mm", "mm"),
-    ("youngs_modulus_kpa", "kPa"),
-    ("indentation_mm", "mm"),
-)
-_GROUPS: Final[Mapping[str, Sequence[Column]]] = {
-    "observation": (
-        _text("observation", "name of the observation; of a frame sequence#number"),
-        _text("finger", "name of the finger"),
-        _text("status", "measured, rejected manually, or failed"),
-        _text("reason", "why the row failed or was rejected"),
-        Column("synthetic", "bool", "", "whether image, ellipse or finger was rendered or simulated"),
-        _text("flags", "doubts about the image, separated by spaces"),
-        _text("measured_by", "automatic, corrected (with manual corrections), or manual (a given ellipse)"),
-        _text("reviewed", "accepted, corrected or rejected manually; empty if not reviewed"),
-        _text("reviewed_by", "who reviewed it"),
-        Column(
-            "pooled",
-            "bool",
-            "",
-            "whether the row counts in pooled radii: as corrected, or else not if a flag excludes it "
-            "(see the guide's table of flags); of a sequence only loading frames of a large enough ellipse",
-        ),
-        _text(
-            "excluding_flags",
-            "flags and range notes that keep it out of pooled radii unless a person includes it",
-        ),
-        _text("pooling_corrected_by", "who corrected whether it is pooled; empty where its flags decide"),
-        _text("pooling_reason", "why they corrected it"),
-        _text("range_notes", "doubts about values, separated by spaces"),
-    ),
-    "placement": (
-        _number("wedge_angle_deg", "deg", "angle of the wedge on which the finger rests"),
-        _number("roll_angle_deg", "deg", "roll of the finger about its own long axis"),
-        _number("load_N", "N", "normal force W"),
-        _text("session", "session in which the contact was made, as the manifest names it"),
-    ),
-    "sequence": (
-        _text("sequence", "name of the sequence of which this is a frame; empty for single observations"),
-        Column("frame", "int", "1", "number of the frame, from 0"),
-        _number("time_s", "s", "time of the frame on the clock of its force"),
-        _text("phase", "loading, hold or unloading, by the force or as a person set it"),
-        _text("phase_corrected_by", "who set the phases of the sequence; empty where the force gives them"),
-        _number(
-            "measured_indentation_mm",
-            "mm",
-            "displacement of the platen from the place of contact, where the sequence's force table has it; "
-            "the stage is taken as rigid",
-        ),
-    ),
-    "image": (
-        _text("file", "contact image or sequence measured; empty where the ellipse was given"),
-        _text("scale", "name of the scale, whose error its rows share; empty for a scale of its own"),
-        *_with_std("mm_per_px", "mm/px", "scale of the image"),
-    ),
-    "ellipse": (
-        *_with_std("semi_major_mm", "mm", "semi-major axis of the contact ellipse"),
-        *_with_std("semi_minor_mm", "mm", "semi-minor axis of the contact ellipse"),
-        _number(
-            "semi_major_mm_noise_std", "mm", "the same of semi_major_mm without edge and scale", default=False
-        ),
-        _number(
-            "semi_minor_mm_noise_std", "mm", "the same of semi_minor_mm without edge and scale", default=False
-        ),
-        _number(
-            "edge_offset_mm_std",
-            "mm",
-            "standard uncertainty of the place of the contact's edge, which displaces both semi-axes alike; "
-            "rows of one scale share it",
-        ),
-        _number("automatic_semi_major_mm", "mm", "semi-major axis as measured automatically", default=False),
-        _number("automatic_semi_minor_mm", "mm", "semi-minor axis as measured automatically", default=False),
-        _number("aspect_ratio", "1", "semi-major over semi-minor axis"),
-        _text("long_axis", "along or across the finger"),
-        _number("predicted_aspect_ratio", "1", "of elliptical Hertz theory for the undeformed pad"),
-        _text("predicted_long_axis", "along or across the finger, of elliptical Hertz theory"),
-        _number("orientation_deg", "deg", "long axis from the finger's axis, counter-clockwise"),
-    ),
-    "region": (
-        *_with_std("gross_area_mm2", "mm2", "area inside the outline of the contact"),
-        _number(
-            "gross_area_mm2_noise_std",
-            "mm2",
-            "the same from errors that no other image shares",
-            default=False,
-        ),
-        _number("gross_area_mm2_edge_std", "mm2", "the same from the place of the edge alone", default=False),
-        _number(
-            "gross_area_mm2_repeatability_std",
-            "mm2",
-            "standard deviation of other impressions under the same load, from the study's repeats, beyond "
-            "noise; not part of gross_area_mm2_std",
-            default=False,
-        ),
-        *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact, with sweat or ink beside them"),
-        _number("ridge_border_mm", "mm", "length of the borders of these ridges"),
-        _number("ridge_period_mm", "mm", "median distance between ridges"),
-        _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
-        _number("centroid_row_px", "px", "row of the contact's centroid", default=False),
-        _number("centroid_column_px", "px", "column of the contact's centroid", default=False),
-    ),
-    "pad": (
-        _number("u_deg", "deg", "parametric angle u of the place of contact"),
-        _number("v_deg", "deg", "parametric angle v of the place of contact"),
-        _number("in_plane_radius_mm", "mm", "principal radius along the finger at the place of contact"),
-        *_with_std(
-            "outline_radius_mm", "mm", "the same from the outline of the side faces there, not the ellipsoid"
-        ),
-        _number("transverse_radius_mm", "mm", "principal radius across the finger at the place of contact"),
-        *_with_std("mean_curvature_radius_mm", "mm", "R_0g = 1/H of the undeformed pad"),
-        *_with_std("geometric_mean_radius_mm", "mm", "R_e = sqrt(R'R'') of the undeformed pad"),
-    ),
-    "radius": (
-        *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
-        _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
-        _part("radius_from_indentation_mm", "mm", "edge"),
-        _part("radius_from_indentation_mm", "mm", "repeatability"),
-        *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3", default=False),
-        *_with_std(
-            "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
-        ),
-        *_with_std("geometric_radius_from_indentation_mm", "mm", "R_e F2^-3", default=False),
-        *_with_std("geometric_radius_from_area_mm", "mm", "R_e F1^3", default=False),
-        *_with_std("geometric_radius_from_compliance_mm", "mm", "R_e F1^2/F2"),
-    ),
-    "hertz": (
-        *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
-        _part("indentation_mm", "mm", "repeatability"),
-        *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
-        *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
-        _part("youngs_modulus_kpa", "kPa", "edge"),
-        _number(
-            "youngs_modulus_kpa_noise_std",
-            "kPa",
-            "the same from the ellipse's noise and the load alone",
-            default=False,
-        ),
-        _part("youngs_modulus_kpa", "kPa", "repeatability"),
-        *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
-    ),
-    "layer": (
-        *_with_std("effective_thickness_mm", "mm", "effective thickness of the tissue over bone, as stated"),
-        *_with_std(
-            "reduced_modulus_on_layer_kpa", "kPa", "E* of the whole pad on that layer, from load and area"
-        ),
-        *_with_std("youngs_modulus_on_layer_kpa", "kPa", "E = E*(1 - nu^2) of the whole pad on that layer"),
-        *_with_std("indentation_on_layer_mm", "mm", "xi of the whole pad on that layer, from the area"),
-        *_with_std(
-            "loading_radius_on_layer_mm", "mm", "A/(pi xi) of the whole pad on that layer: compare with R_g"
-        ),
-        _text("layer_flag", "why the columns of the layer are empty, or without uncertainty"),
-    ),
-    "validity": (
-        _number("contact_radius_ratio", "1", "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small"),
-        _number("indentation_over_thickness", "1", "indentation over the given thickness of the pad"),
-        _text(
-            "model_verdict",
-            "whether Hertz theory holds for the finger at the angle: holds, strained, fails or not tested",
-        ),
-        *(
-            _number(
-                f"{name}_model_std",
-                unit,
-                f"what the model's discrepancy adds to {name}_std; empty where no loading data tell it",
-            )
-            for name, unit in _JUDGED
-        ),
-        *(
-            _number(f"{name}_total_std", unit, f"standard uncertainty of {name}, with {name}_model_std")
-            for name, unit in _JUDGED
-        ),
-    ),
-    "output": (_text("overlay", "image of the measurement"),),
+# In the order of ``results.csv``: what a contact comes to stands first.
+COLUMNS: Final[Mapping[str, Column]] = {
+    line["column"]: Column(
+        line["column"],
+        line["type"],  # type: ignore[arg-type]
+        line["unit"],
+        line["meaning"],
+        line["group"],
+        line["default"] == "yes",
+    )
+    for line in _lines_of("columns.csv")
 }
-# What a contact comes to stands first.
-_FIRST: Final = (
-    *("observation", "finger", "wedge_angle_deg", "load_N"),
-    *("gross_area_mm2", "gross_area_mm2_std"),
-    *("semi_major_mm", "semi_major_mm_std", "semi_minor_mm", "semi_minor_mm_std"),
-    *("radius_from_indentation_mm", "radius_from_indentation_mm_total_std"),
-    *("youngs_modulus_kpa", "youngs_modulus_kpa_total_std", "model_verdict"),
-)
-_BY_GROUP: Final = {
-    column.name: replace(column, group=group) for group, columns in _GROUPS.items() for column in columns
-}
-COLUMNS: Final[Mapping[str, Column]] = {name: _BY_GROUP[name] for name in (*_FIRST, *_BY_GROUP)}
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
 
@@ -415,92 +228,5 @@ class Symbol:
 
 # By the symbol as plain text: a letter, then _subscript and ^superscript.
 GLOSSARY: Final[Mapping[str, Symbol]] = {
-    "R_0g": Symbol(
-        "mean-curvature radius",
-        "1/H of the undeformed pad at the place of contact, where 2H is the sum of its principal curvatures",
-        "mm",
-        "mean_curvature_radius_mm",
-    ),
-    "R_e": Symbol(
-        "geometric mean radius",
-        "square root of the product of the undeformed pad's principal radii at the place of contact: the "
-        "radius of exact Hertz theory",
-        "mm",
-        "geometric_mean_radius_mm",
-    ),
-    "R_g^corr": Symbol(
-        "corrected radius",
-        "radius of the sphere that the same load indents as deep as the pad: R_0g corrected for the "
-        "contact's elongation, as in Dzidek et al. (2017)",
-        "mm",
-        "radius_from_indentation_mm",
-    ),
-    "R_Aξ": Symbol(
-        "equivalent radius from area and indentation",
-        "radius of the sphere with the same contact area at the same indentation: compare it with R_g",
-        "mm",
-        "radius_from_compliance_mm",
-    ),
-    "R_g": Symbol(
-        "radius from loading data",
-        "slope of the contact area against π times the indentation in a loading curve",
-        "mm",
-    ),
-    "ξ": Symbol(
-        "indentation",
-        "how far pad and plate approach each other, from the contact's ellipse by Hertz theory",
-        "mm",
-        "indentation_mm",
-    ),
-    "E": Symbol(
-        "Young's modulus",
-        "of the pad, from load and contact ellipse by Hertz theory: E* (1 − ν²), with Poisson's ratio ν",
-        "kPa",
-        "youngs_modulus_kpa",
-    ),
-    "E*": Symbol(
-        "reduced modulus",
-        "E / (1 − ν²): the modulus in Hertz theory, with Poisson's ratio ν",
-        "kPa",
-        "reduced_modulus_kpa",
-    ),
-    "ℓ_d": Symbol(
-        "semi-major axis", "half the length of the ellipse with the contact's area", "mm", "semi_major_mm"
-    ),
-    "ℓ_e": Symbol(
-        "semi-minor axis", "half the width of the ellipse with the contact's area", "mm", "semi_minor_mm"
-    ),
-    "ℓ_d/ℓ_e": Symbol("aspect ratio", "semi-major over semi-minor axis of the contact", "", "aspect_ratio"),
-    "W": Symbol("normal load", "force that presses the finger against the plate", "N", "load_N"),
-    "θ": Symbol(
-        "wedge angle", "angle of the wedge on which the finger rests, from the plate", "°", "wedge_angle_deg"
-    ),
-    "φ": Symbol("roll angle", "roll of the finger about its own long axis", "°", "roll_angle_deg"),
-    "u": Symbol(
-        "parametric angle u",
-        "where the pad touches along the finger: 90° at the tip, 0° on the palmar face",
-        "°",
-        "u_deg",
-    ),
-    "v": Symbol(
-        "parametric angle v", "where the pad touches across the finger: 90° without roll", "°", "v_deg"
-    ),
-    "a/R": Symbol(
-        "contact size",
-        "square root of ℓ_d ℓ_e over R_e, which Hertz theory takes to be small",
-        "",
-        "contact_radius_ratio",
-    ),
-    "IoU": Symbol(
-        "intersection over union",
-        "common area of ellipse and contact region over the area that either covers: 1 is a perfect match",
-        "",
-        "ellipse_iou",
-    ),
-    "χ²": Symbol(
-        "chi-square",
-        "squared deviations of the faces from all together over their uncertainties; about its degrees of "
-        "freedom if the faces agree",
-        "",
-    ),
+    line.pop("symbol"): Symbol(**line) for line in _lines_of("glossary.csv")
 }
