@@ -9,7 +9,8 @@ import tifffile
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import FrameRate, frame_clock, open_frames
+from fingerpad.image import FrameRate, FrameResult, frame_clock, open_frames, sequence_summary
+from fingerpad.image.sequence.force import FrameStamps
 
 
 def level(index: int) -> np.ndarray:
@@ -214,5 +215,8 @@ def test_a_clock_follows_the_numbers_of_file_names(tmp_path):
     clock = frame_clock(10, start_time=1.0, numbers=frames.numbers)
     times = [clock.time_of(k, None) for k in range(9)]
     np.testing.assert_allclose(times, 1 + np.array([0, 1, 2, 3, 8, 9, 10, 11, 13]) / 10)
+    seen = [FrameResult(index=k, reason="no contact") for k in range(9)]
+    for of, notes in ((clock, (frames.skipped,)), (FrameStamps(np.arange(9.0)), ()), (None, ())):
+        assert sequence_summary(seen, frames=frames, clock=of).notes == notes
     by_contact = FrameRate(10, anchor_time=2.0, anchor_frame=None, numbers=frames.numbers)
     assert by_contact.time_of(4, first_contact=3) == pytest.approx(2.5)

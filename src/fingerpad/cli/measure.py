@@ -250,7 +250,6 @@ def measure_frames(
     """
     from fingerpad._columns import columns_named_by
     from fingerpad.image import (
-        FrameRate,
         FrameResult,
         measure_sequence,
         open_frames,
@@ -281,12 +280,11 @@ def measure_frames(
 
     results = measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **settings)
     shown = _printed(_tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
-    summary = sequence_summary(shown, signal)
+    summary = sequence_summary(shown, signal, frames=frames, clock=clock)
     if not as_json:
         _print_if_exact(scale.mm_per_px_std)
     show.folder("Overlays", overlay_dir, as_json)
-    skipped = frames.skipped if isinstance(clock, FrameRate) else None
-    for note in (*filter(None, [skipped]), *summary.notes):
+    for note in summary.notes:
         show.note(note)
     if summary.failed:
         raise typer.Exit(Exit.SOME_FAILED)

@@ -12,7 +12,8 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._plausible import unit_doubts
-from fingerpad.image.sequence.force import ForceSignal
+from fingerpad.image.sequence.force import ForceSignal, FrameClock, FrameRate
+from fingerpad.image.sequence.frames import Frames
 from fingerpad.image.sequence.jump import find_jump
 from fingerpad.image.sequence.phases import Phase
 
@@ -187,7 +188,13 @@ def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mappin
         )
 
 
-def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
+def sequence_summary(
+    results: Iterable[FrameResult],
+    force: ForceSignal | None = None,
+    *,
+    frames: Frames | None = None,
+    clock: FrameClock | None = None,
+) -> SequenceSummary:
     """Count frames by outcome and phase in one pass over the results.
 
     Parameters
@@ -196,6 +203,8 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         As `measure_sequence` yields them.
     force : ForceSignal, optional
         The signal they were measured against, for notes on frames outside it.
+    frames, clock : Frames and FrameClock, optional
+        What was measured and by which clock, for a note on frames that a folder skips.
 
     Returns
     -------
@@ -229,7 +238,11 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
             start, end = min(start, result.time), max(end, result.time)
-    notes = [] if force is None else list(_spans_apart(force, (start, end), counts))
+    notes = []
+    if frames is not None and isinstance(clock, FrameRate) and (skipped := frames.skipped):
+        notes.append(skipped)
+    if force is not None:
+        notes += _spans_apart(force, (start, end), counts)
     seen = np.reshape(contacts, (-1, 5)).T
     notes += _zero_subtracted(seen, force)
     doubt = _out_of_step(seen, force)

@@ -336,11 +336,31 @@ class OpenedSequence:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        summary, chosen = _summary_of(self.placed(), self.force)
-        if self.sequence.times is None and (skipped := self.frames.skipped):
-            summary = replace(summary, notes=(skipped, *summary.notes))
-        draw = partial(images.draw, settings, summary, chosen)
+        draw = partial(images.draw, settings, *self._summary())
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
+
+    def _summary(self) -> tuple[SequenceSummary, dict[str, int]]:
+        """Return what the frames come to, and the few that are worth drawing, by their roles."""
+        chosen: dict[str, int] = {}
+        largest_load = -math.inf
+
+        def followed() -> Iterator[FrameResult]:
+            nonlocal largest_load
+            for result in self.placed():
+                if result.measures is not None and result.phase in IN_CONTACT:
+                    chosen.setdefault("first contact", result.index)
+                    if result.load > largest_load:
+                        largest_load, chosen["largest load"] = result.load, result.index
+                    chosen["last contact"] = result.index
+                yield result
+
+        summary = sequence_summary(followed(), self.force, frames=self.frames, clock=self.clock)
+        if self.force.displacement is not None:
+            try:
+                first_contact_displacement(self.force)
+            except LoadingError as error:
+                summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
+        return summary, chosen
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
         return Task(
@@ -540,30 +560,6 @@ def _good(context: RunContext, task: str, key: str) -> Record:
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
     return record
-
-
-def _summary_of(placed: Iterator[FrameResult], force: ForceSignal) -> tuple[SequenceSummary, dict[str, int]]:
-    """Return what the frames come to, and the few that are worth drawing, by their roles."""
-    chosen: dict[str, int] = {}
-    largest_load = -math.inf
-
-    def followed() -> Iterator[FrameResult]:
-        nonlocal largest_load
-        for result in placed:
-            if result.measures is not None and result.phase in IN_CONTACT:
-                chosen.setdefault("first contact", result.index)
-                if result.load > largest_load:
-                    largest_load, chosen["largest load"] = result.load, result.index
-                chosen["last contact"] = result.index
-            yield result
-
-    summary = sequence_summary(followed(), force)
-    if force.displacement is not None:
-        try:
-            first_contact_displacement(force)
-        except LoadingError as error:
-            summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
-    return summary, chosen
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:
