@@ -223,6 +223,18 @@ def test_settings_from_largest_contact(settings, press):
     assert settings.texture[:CONTACT].max() < 0.3 * settings.texture.max()
 
 
+def test_border_looked_for_in_key_frames(press, frames, settings):
+    assert settings.settings["added_border"] is False
+    bordered = [replace(frame, pixels=np.pad(frame.pixels, 40, constant_values=255)) for frame in frames]
+    assert estimate_settings(bordered[::4], SCALE).settings["added_border"]
+    kept = estimate_settings(bordered[::4], SCALE, added_border=False)
+    assert kept.settings["added_border"] is False
+    # A contact at the side of what was there before the border is cut.
+    cut = replace(bordered[30], pixels=np.pad(frames.at(30).pixels[:, 90:], 40, constant_values=255))
+    look = estimate_settings(bordered[::4], SCALE)
+    assert "touches_border" in next(measure_sequence([cut], SCALE, settings=look)).flags
+
+
 @pytest.mark.parametrize("look", ["ink", "prism"])
 def test_flicker_does_not_move_edge(look):
     press = render_sequence([2.0] * 6, look=look, flicker=0.1, seed=21)

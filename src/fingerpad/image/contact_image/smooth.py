@@ -15,7 +15,6 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
-from fingerpad.image.contact_image.background import without_added_border
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import MANUAL, Edge, StepErrors, axis_weights, even_edge, running_mean
 from fingerpad.image.contact_image.region import Region
@@ -187,7 +186,7 @@ def _view(
         noise=0.0 if step is None else step.noise,
         contrast=0.0 if step is None else step.height,
         dark_on_light=dark,
-        shown=without_added_border(part.pixels, shape),
+        shown=part.shown(shape),
         inside=np.asarray(in_copy),
         period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(rows * columns)),
     )

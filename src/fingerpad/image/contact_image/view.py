@@ -57,6 +57,8 @@ class ContactImageOptions(TypedDict, total=False):
         `ContactImageResult.settings` of a good frame holds it.
     ridge_period : float
         Ridge period, mm; found from the image by default.
+    added_border : bool
+        Whether an even border may have been added round the picture; by default one is looked for.
     surface : {"ridged", "smooth"}
         Whether the contact has ridges, as a finger has, or none, as that of a silicone fingertip; never found
         from the image. Ridged by default.
@@ -80,6 +82,7 @@ class ContactImageOptions(TypedDict, total=False):
     threshold: float | None
     contrast: float | None
     ridge_period: float | None
+    added_border: bool | None
     surface: Surface | None
 
 
@@ -90,6 +93,13 @@ class Crop(NamedTuple):
     inside: BoolArray | None  # (rows, columns); where the part counts; None means everywhere
     corner: tuple[int, int]  # (row, column) of its first pixel in the whole picture
     shape: tuple[int, int]  # of the whole picture
+    may_have_border: bool  # whether an even border may have been added round it
+
+    def shown(self, shape: tuple[int, int]) -> BoolArray:
+        """Return where a copy of this shape shows anything: all but an added even border."""
+        if not self.may_have_border:
+            return np.ones(shape, dtype=bool)
+        return without_added_border(self.pixels, shape)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -225,7 +235,7 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         noise=flat.noise,
         contrast=flat.contrast,
         dark_on_light=flat.dark_on_light,
-        shown=without_added_border(part.pixels, shape),
+        shown=part.shown(shape),
         inside=inside,
         period=period_of_copy,
     )
@@ -266,7 +276,8 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
                 "background must be positive everywhere, found zero: it cannot divide the picture"
             )
         part = as_float32(part.astype(np.float32) / light * middle)
-    return Crop(part, inside, (box[0].start, box[1].start), shape)
+    corner = (box[0].start, box[1].start)
+    return Crop(part, inside, corner, shape, options.get("added_border") is not False)
 
 
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:

@@ -65,7 +65,7 @@ class TextureScan(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SequenceSettings(Displayed):
-    """Polarity, contrast and ridge period of all frames, so that these do not flicker."""
+    """Polarity, contrast, ridge period and border of all frames, so that these do not flicker."""
 
     settings: ContactImageOptions
     learnt_from: tuple[int, ...]  # frames of the largest contact
@@ -136,6 +136,7 @@ def estimate_settings(
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
     seen: list[tuple[int, ContactImageResult]] = []
     reason: str | None = None
+    bordered = False
     chosen: Iterable[Frame] = (frame for frame in frames if frame.index in scan.busiest)
     if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
         chosen = map(frames.at, scan.busiest)
@@ -144,6 +145,7 @@ def estimate_settings(
             continue  # it could be read when it was surveyed
         try:
             seen.append((frame.index, measure_contact_image(frame.pixels, scale, **options)))
+            bordered = bordered or not crop(frame.pixels, **options).shown(frame.pixels.shape).all()
         except ImageError as error:
             reason = str(error)
     if not seen:
@@ -152,7 +154,7 @@ def estimate_settings(
     alike = [(index, contact) for index, contact in seen if contact.dark_on_light == polarity]
     alike.sort(key=lambda entry: entry[1].contrast)
     return SequenceSettings(
-        settings=alike[len(alike) // 2][1].settings,
+        settings={**alike[len(alike) // 2][1].settings, "added_border": bordered},
         learnt_from=tuple(sorted(index for index, _ in alike)),
         texture=scan.texture,
     )
@@ -168,15 +170,15 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
         off = _off_ground(pixels, np.asarray(ground), {**options, "background": None})
         return float(np.mean(off * off))
     part = crop(pixels, **options)
-    values = part.pixels.astype(np.float32)
+    values = part.pixels
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
     if part.inside is None:
         return cv2.norm(values, cv2.blur(values, (side, side)), cv2.NORM_L2SQR) / values.size
     # The mean of each window is that of its pixels inside the mask, whatever flickers beside it.
     inside = part.inside.astype(np.float32)
-    near = cv2.blur(values * inside, (side, side)) / np.maximum(cv2.blur(inside, (side, side)), 1e-9)
-    fine = (values - near)[part.inside]
+    near, share = (cv2.blur(each, (side, side)) for each in (values * inside, inside))
+    fine = (values - near / np.maximum(share, 1e-9))[part.inside]
     return float(np.mean(fine * fine))
 
 
