@@ -60,7 +60,7 @@ class Column:
         return pd.Series(array, index=index, dtype=array.dtype, copy=False)
 
 
-def _lines_of(file: str) -> Iterator[dict[str, str]]:
+def lines_of(file: str) -> Iterator[dict[str, str]]:
     """Yield the lines of a table that belongs to the package, by its header."""
     text = files("fingerpad.study.results").joinpath(file).read_text(encoding="utf-8")
     return csv.DictReader(text.splitlines())
@@ -76,7 +76,7 @@ COLUMNS: Final[Mapping[str, Column]] = {
         line["group"],
         line["default"] == "yes",
     )
-    for line in _lines_of("columns.csv")
+    for line in lines_of("columns.csv")
 }
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
@@ -228,5 +228,5 @@ class Symbol:
 
 # By the symbol as plain text: a letter, then _subscript and ^superscript.
 GLOSSARY: Final[Mapping[str, Symbol]] = {
-    line.pop("symbol"): Symbol(**line) for line in _lines_of("glossary.csv")
+    line.pop("symbol"): Symbol(**line) for line in lines_of("glossary.csv")
 }
