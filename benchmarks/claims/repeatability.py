@@ -7,7 +7,7 @@ repeats of a session each add an independent normal deviation to the logarithm o
 import math
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.results.by_load import AtLoad, pool_by_load
+from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary_file import AtLoadRecord
 from fingerpad.uncertainty import nested_scatter, pad_model
 
 # Whether each interval of a kind held the truth.
@@ -117,8 +118,8 @@ def mean_coverage(population: Population, design: Design, studies: int, seed: in
         repeatability = contact_repeatability(study, pads, seen)
         rows = model_contacts(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
-            for name, one, truth in _pairs(at, truths[at.finger, at.load]):
-                held[name].append(one.interval[0] <= truth <= one.interval[1])
+            for name, (low, high), truth in _pairs(at, truths[at.finger, at.load_N]):
+                held[name].append(low <= truth <= high)
     return held
 
 
@@ -131,9 +132,9 @@ def draw_repeats(population: Population, drawn: Draws, rng: np.random.Generator)
     )
 
 
-def _pairs(at: AtLoad, log_radius: float) -> Iterator[tuple[str, Any, float]]:
+def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[float, float], float]]:
     radius = float(np.exp(log_radius))
-    yield "area", at.area, np.pi * radius**2
+    yield "area", (at.contact_area_mm2_ci95_low, at.contact_area_mm2_ci95_high), np.pi * radius**2
     exact: dict[str, float] = {
         **dict(zip(SEMI_AXES, PAD.tolist(), strict=True)),
         "wedge_angle": math.radians(30),
@@ -141,12 +142,13 @@ def _pairs(at: AtLoad, log_radius: float) -> Iterator[tuple[str, Any, float]]:
         "poisson_ratio": 0.5,
         "image_scale": 1.0,
         "edge_offset": 0.0,
-        "load": at.load,
+        "load": at.load_N,
         "contact_radius": radius,
         "elongation": ELONGATION,
     }
     outputs = pad_model(**{name: np.array(value) for name, value in exact.items()})
-    yield "modulus", at.modulus, 1000 * float(outputs["youngs_modulus"])
+    interval = at.youngs_modulus_kpa_ci95_low, at.youngs_modulus_kpa_ci95_high
+    yield "modulus", interval, 1000 * float(outputs["youngs_modulus"])
 
 
 def _contact(

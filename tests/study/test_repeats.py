@@ -215,16 +215,18 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     rows = model_contacts(STUDY, PADS, repeats(4), BOTH)
     (at,) = pool_by_load(rows, BOTH)
     areas = rows.table["gross_area_mm2"].to_numpy()
-    assert (at.count, at.sessions, at.load) == (4, 1, 1.0)
-    assert at.area.value == pytest.approx(np.exp(np.log(areas).mean()))
-    assert at.area.repeatability_std == pytest.approx(at.area.value * 0.04 / 2)
-    assert at.area.noise_std == pytest.approx(0.3 / 2, rel=0.02)
-    assert at.area.edge_std == pytest.approx(0.4, rel=0.02)
-    assert at.area.other_std == pytest.approx(0, abs=1e-6)
-    parts = at.modulus.noise_std, at.modulus.repeatability_std, at.modulus.edge_std, at.modulus.other_std
-    assert at.modulus.std == pytest.approx(np.linalg.norm(parts))
+    assert (at.contacts, at.sessions, at.load_N) == (4, 1, 1.0)
+    assert at.contact_area_mm2 == pytest.approx(np.exp(np.log(areas).mean()))
+    assert at.contact_area_mm2_repeatability_std == pytest.approx(at.contact_area_mm2 * 0.04 / 2)
+    assert at.contact_area_mm2_noise_std == pytest.approx(0.3 / 2, rel=0.02)
+    assert at.contact_area_mm2_edge_std == pytest.approx(0.4, rel=0.02)
+    assert at.contact_area_mm2_other_std == pytest.approx(0, abs=1e-6)
+    parts = [
+        getattr(at, f"youngs_modulus_kpa_{part}_std") for part in ("noise", "repeatability", "edge", "other")
+    ]
+    assert at.youngs_modulus_kpa_std == pytest.approx(np.linalg.norm(parts))
     (at,) = pool_by_load(rows, {False: NONE, True: NONE})
-    assert np.isnan(at.area.repeatability_std)
+    assert np.isnan(at.contact_area_mm2_repeatability_std)
 
 
 def manifest(folder: Path, count: int) -> Path:

@@ -245,10 +245,10 @@ def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
     (at_load,) = result.by_load
     relative = validity.headlines[MODULUS].model_relative_std
     assert relative > 0.2
-    assert at_load.modulus.model_std == pytest.approx(relative * at_load.modulus.value)
-    low, high = at_load.modulus.interval
-    assert high / at_load.modulus.value > (1 + relative) ** 1.9
-    assert at_load.modulus.value / low > (1 + relative) ** 1.9
+    modulus = at_load.youngs_modulus_kpa
+    assert at_load.youngs_modulus_kpa_model_std == pytest.approx(relative * modulus)
+    assert at_load.youngs_modulus_kpa_ci95_high / modulus > (1 + relative) ** 1.9
+    assert modulus / at_load.youngs_modulus_kpa_ci95_low > (1 + relative) ** 1.9
 
 
 def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:

@@ -22,9 +22,9 @@ def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> di
         "kinds": [_kind(result, synthetic) for synthetic in kinds],
         "loads": loads[:_MOST_LOADS],
         "more_loads": max(0, len(loads) - _MOST_LOADS),
-        "by_session": any(math.isfinite(one.area.session_std) for one in result.by_load),
+        "by_session": any(math.isfinite(one.contact_area_mm2_session_std) for one in result.by_load),
         "sessions": any(one.sessions > 1 for one in result.by_load),
-        "on_layer": any(one.modulus_on_layer is not None for one in result.by_load),
+        "on_layer": any(not math.isnan(one.youngs_modulus_on_layer_kpa) for one in result.by_load),
     }
 
 

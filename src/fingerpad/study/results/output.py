@@ -21,7 +21,6 @@ from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
-from fingerpad.study.results.by_load import AtLoad, LoadMean
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
@@ -131,7 +130,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
             scatter=[scatter_record(one) for one in result.scatter],
         ),
         second_operator=[_agreement(one) for one in result.operators],
-        by_load=[_at_load(one) for one in result.by_load],
+        by_load=result.by_load,
         sequences=[
             _sequence(sequence, frames)
             for sequence, frames in zip(result.sequences, result.frames(), strict=True)
@@ -360,32 +359,6 @@ def _agreement(one: OperatorAgreement) -> summary_file.OperatorAgreementRecord:
     )
 
 
-def _at_load(one: AtLoad) -> summary_file.AtLoadRecord:
-    return summary_file.AtLoadRecord.of(
-        one,
-        contacts=one.count,
-        **_mean("contact_area_mm2", one.area),
-        **_mean("youngs_modulus_kpa", one.modulus),
-        youngs_modulus_kpa_model_std=one.modulus and one.modulus.model_std,
-        youngs_modulus_kpa_verdict=one.verdict,
-        **_mean("youngs_modulus_on_layer_kpa", one.modulus_on_layer),
-        youngs_modulus_on_layer_kpa_verdict=one.layer_verdict,
-    )
-
-
-def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
-    return {
-        name: mean and mean.value,
-        f"{name}_std": mean and mean.std,
-        f"{name}_ci95_low": mean and mean.interval[0],
-        f"{name}_ci95_high": mean and mean.interval[1],
-        **{
-            f"{name}_{part}_std": mean and getattr(mean, f"{part}_std")
-            for part in ("noise", "repeatability", "session", "edge", "other")
-        },
-    }
-
-
 def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
     counts: dict[str, Any] = {"notes": []}  # the manifest has notes of its own
@@ -560,4 +533,4 @@ def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
 
 def answers_of(result: StudyResult) -> list[Answer]:
     """Return what was found of each finger at each placement."""
-    return answers(_placements(result), map(_at_load, result.by_load))
+    return answers(_placements(result), result.by_load)

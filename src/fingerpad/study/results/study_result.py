@@ -25,7 +25,7 @@ from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair,
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.by_load import AtLoad, pool_by_load
+from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.pooling import Summary, pool_contacts
 from fingerpad.study.results.repeats import (
@@ -35,7 +35,7 @@ from fingerpad.study.results.repeats import (
     study_scatter,
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
-from fingerpad.study.results.summary_file import UncertaintyCheckRecord
+from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, groups, records
 from fingerpad.study.results.validity.verdict import Validity, validity_of, with_verdicts
 from fingerpad.uncertainty import (
@@ -141,7 +141,7 @@ class StudyResult(Displayed):
     # what repeats tell of one impression: of a real contact (False), of a synthetic one (True)
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[StudyScatter]  # how each quantity scatters between repeats, sessions, fingers and persons
-    by_load: list[AtLoad]  # area and modulus of each finger at each load
+    by_load: list[AtLoadRecord]  # area and modulus of each finger at each load
     validities: list[Validity]  # whether the model holds in each summary
     curves: list[CurveResult]
     provenance: dict[str, Any]  # versions, input hashes, formulas
