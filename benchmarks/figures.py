@@ -24,7 +24,7 @@ _SYMBOLS = {"load": "W", "area": "A", "indentation": "ξ"}
 _GIVEN_WANTED = ("load", "area"), ("load", "indentation"), ("indentation", "load")
 
 
-@in_style
+@in_style()
 def layer() -> None:
     """Draw what a layer changes of a circular contact, and the errors of each way to calculate it."""
     figure, panels = new_figure(width_mm=180, height_mm=125, rows=2, columns=3)
@@ -91,7 +91,7 @@ def _series(values: Axes, errors: Axes) -> None:
         errors.plot(_LINES, np.abs(found / exact.load_at_depth - 1), color=BLACK, lw=0.9, ls=dashes)
 
 
-@in_style
+@in_style()
 def pads() -> None:
     """Draw the errors of Hertz theory and of the laws for whole pads that nothing was fitted to."""
     figure, panels = new_figure(width_mm=180, height_mm=120, rows=2, columns=3)
@@ -131,7 +131,7 @@ def _save(figure: Figure, name: str) -> None:
     figure.savefig(ROOT / "docs" / "images" / name, dpi=200, metadata={"Software": None})
 
 
-@in_style
+@in_style()
 def radius_against_thickness() -> None:
     """Draw R_g against the thickness for both angles, with the measured R_g as bands."""
     figure, (axes,) = new_figure(width_mm=125, height_mm=82)
@@ -166,7 +166,7 @@ def radius_against_thickness() -> None:
     _save(figure, "bone_thickness.png")
 
 
-@in_style
+@in_style()
 def area_against_indentation() -> None:
     """Draw A against πξ at both angles: Hertz theory, half-space, layer, and the measured slope."""
     figure, panels = new_figure(width_mm=170, height_mm=82, columns=2)

@@ -17,7 +17,7 @@ TISSUE = fp.Tissue(youngs_modulus=0.05, thickness=8.0)
 SKIN, STEEL, BONE = "#f3d9c6", "#c9ced4", "#ece7dc"
 
 
-@in_style
+@in_style()
 def draw(path: Path) -> None:
     """Write the drawing as SVG."""
     figure, axes = plt.subplot_mosaic(
@@ -37,7 +37,7 @@ def draw(path: Path) -> None:
     plt.close(figure)
 
 
-@in_style
+@in_style()
 def draw_axes(path: Path) -> None:
     """Write the pad's axes and its wedge as SVG."""
     figure, (pad, wedge) = plt.subplots(1, 2, figsize=(6.8, 3.3), layout="constrained")
@@ -49,7 +49,7 @@ def draw_axes(path: Path) -> None:
     plt.close(figure)
 
 
-@in_style
+@in_style()
 def draw_directions(path: Path) -> None:
     """Write the directions in the contact as SVG."""
     figure, axes = plt.subplots(figsize=(4.6, 2.3), layout="constrained")

@@ -27,7 +27,7 @@ from fingerpad.figures.marks import (
     measured,
     synthetic_tag,
 )
-from fingerpad.figures.mpl import AnyAxes, on_axes, place
+from fingerpad.figures.mpl import AnyAxes, AxesOrPanel, draw, on_axes
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 from fingerpad.loading import FittedForceModel, LoadingFit
 from fingerpad.loading.law_registry import LAWS
@@ -341,7 +341,8 @@ def plot_press(
     t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
     phases = np.asarray(phase)
     below = min(0.0, float(W.min())) if W.size else 0.0
-    panels = [Panel() for _ in axes]
+    every: Sequence[AxesOrPanel] = axes
+    panels = [each if isinstance(each, Panel) else Panel() for each in every]
     for number, panel in enumerate(panels):
         x, panel.x = (W, Axis("normal load W (N)", low=below)) if number % 2 else (t, Axis("time (s)"))
         panel.y = Axis("semi-axes (mm)" if number > 1 else "contact area A (mm²)", low=0, margin=0.12)
@@ -357,8 +358,9 @@ def plot_press(
             up = 4 if side == "bottom" else -4
             label = rf"$\ell_\mathrm{{{name}}}$"
             panels[2].add(Text(label, t[k], y[k], up=up, horizontal="center", vertical=side))
-    for each, panel in zip(axes, panels, strict=True):
-        place(panel, each)
+    for each, panel in zip(every, panels, strict=True):
+        if not isinstance(each, Panel):
+            draw(panel, each)
     return axes
 
 

@@ -4,24 +4,14 @@
 marks in their order, one above the other.
 """
 
+import itertools
 import json
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, MISSING, dataclass, field, fields
+from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from types import NoneType
-from typing import (
-    Annotated,
-    Any,
-    Final,
-    Literal,
-    Self,
-    TypeAlias,
-    TypedDict,
-    Unpack,
-    get_args,
-    get_origin,
-)
+from typing import Annotated, Any, Final, Literal, Self, TypeAlias, get_args, get_origin
 
 import numpy as np
 
@@ -52,17 +42,6 @@ class _Record:
         found |= dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
         for name, value in found.items():
             object.__setattr__(self, name, value)
-
-    def record(self) -> dict[str, Any]:
-        """Return what differs from the usual, as JSON has it."""
-        values = {one.name: (getattr(self, one.name), one) for one in fields(self)}  # type: ignore[arg-type]
-        return {
-            name: [None if math.isnan(each) else each for each in value.tolist()]
-            if isinstance(value, np.ndarray)
-            else value
-            for name, (value, one) in values.items()
-            if one.default is MISSING or isinstance(value, np.ndarray) or value != one.default
-        }
 
 
 def _checked(name: str, kind: Any, value: Any) -> Any:
@@ -218,6 +197,10 @@ class Axis(_Record):
     names: tuple[str, ...] | None = None
     lines: bool = True
 
+    def tick_labels(self) -> list[str]:
+        """Return what stands at the ticks that are given."""
+        return [f"{tick:g}" for tick in self.ticks or ()] if self.names is None else [*self.names]
+
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Panel(_Record):
@@ -239,46 +222,54 @@ class Panel(_Record):
     def limits(self, name: Literal["x", "y"], axis: Axis | None = None) -> tuple[float, float]:
         """Return the ends of an axis, or of another in its place: those given, else round the data."""
         axis = axis or getattr(self, name)
-        every = np.concatenate(
-            [np.empty(0), *(np.ravel(one) for mark in self.marks for one in _extent(mark, name))]
-        )
-        every = every[np.isfinite(every) & ((every > 0) | (not axis.log))]
-        low, high = (1.0, 10.0) if axis.log else (0.0, 1.0)
-        if every.size:
-            low, high = float(every.min()), float(every.max())
+        every = np.concatenate([np.empty(0), *(one for mark in self.marks for one in _extent(mark, name))])
         if axis.log:
-            low, high = (low / 2, 2 * high) if low == high else (low, high)
-            factor = (high / low) ** axis.margin
-            low, high = low / factor, high * factor
-        else:
-            room = 0.0 if low < high else 0.05 * abs(low) or 1.0
+            with np.errstate(all="ignore"):
+                every = np.log10(every)
+        every = every[np.isfinite(every)]
+        low, high = (float(every.min()), float(every.max())) if every.size else (0.0, 1.0)
+        if low == high:
+            room = math.log10(2) if axis.log else 0.05 * abs(low) or 1.0
             low, high = low - room, high + room
-            low, high = low - axis.margin * (high - low), high + axis.margin * (high - low)
+        room = axis.margin * (high - low)
+        low, high = low - room, high + room
+        if axis.log:
+            low, high = 10**low, 10**high
         if axis.ticks:
             low, high = min(low, *axis.ticks), max(high, *axis.ticks)
         return (low if axis.low is None else axis.low), (high if axis.high is None else axis.high)
 
 
-def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:
-    """Yield the data that an axis has to hold."""
+def data_of(mark: AnyMark) -> dict[str, FloatArray]:
+    """Return the data that a mark shows, by their columns in a CSV."""
     match mark:
-        case Points() | Line():
-            at = mark.x if axis == "x" else mark.y
-            std = getattr(mark, f"{axis}_std", None)
-            spread = 0.0 if std is None else np.nan_to_num(std)
-            yield from (at - spread, at + spread)
+        case Points():
+            columns = {"x": mark.x, "y": mark.y, "x_std": mark.x_std, "y_std": mark.y_std}
+            return {name: column for name, column in columns.items() if column is not None}
+        case Line():
+            return {"x": mark.x, "y": mark.y}
         case Band():
-            yield from (mark.x,) if axis == "x" else (mark.low, mark.high)
+            return {"x": mark.x, "y_low": mark.low, "y_high": mark.high}
         case Bars():
-            yield (
-                np.append(mark.length, 0.0)
-                if axis == "x"
-                else np.add.outer((-mark.height / 2, mark.height / 2), mark.place)
-            )
-        case Rule() if mark.axis == axis:
-            yield as_float_array([mark.at, mark.at if mark.to is None else mark.to])
+            return {"x": mark.length, "y": mark.place}
+        case Rule(to=None):
+            return {mark.axis: np.array([mark.at])}
         case _:
-            return
+            return {}
+
+
+def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:
+    """Yield the numbers that an axis has to hold."""
+    data = data_of(mark)
+    std = np.nan_to_num(data.get(f"{axis}_std", 0.0))
+    for name in (axis, f"{axis}_low", f"{axis}_high"):
+        if name in data:
+            yield from (data[name] - std, data[name] + std)
+    if isinstance(mark, Bars):
+        half = mark.height / 2
+        yield from (np.zeros(1),) if axis == "x" else (mark.place - half, mark.place + half)
+    if isinstance(mark, Rule) and mark.axis == axis and mark.to is not None:
+        yield np.array([mark.at, mark.to])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -300,14 +291,7 @@ class Figure:
 
     def to_json(self) -> str:
         """Return the figure as JSON, the same text for the same figure."""
-        record = {one.name: getattr(self, one.name) for one in fields(self)}
-        record["panels"] = [
-            panel.record()
-            | {"marks": [[type(mark).__name__.lower(), mark.record()] for mark in panel.marks]}
-            | {name: getattr(panel, name).record() for name in "xy"}
-            for panel in self.panels
-        ]
-        return json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        return json.dumps(self, default=_plain, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
     @classmethod
     def of_json(cls, text: str) -> Self:
@@ -328,23 +312,21 @@ class Figure:
             raise ValueError(f"not a figure: {error}") from error
 
 
+def _plain(part: Any) -> Any:
+    """Return what JSON holds of a part of a figure: of its fields those that differ from the usual."""
+    if isinstance(part, np.ndarray):
+        return [None if math.isnan(one) else one for one in part.tolist()]
+    values = {one.name: (getattr(part, one.name), one.default) for one in fields(part)}
+    changed = {key: value for key, (value, usual) in values.items() if np.ndim(value) or value != usual}
+    return [type(part).__name__.lower(), changed] if isinstance(part, Mark) else changed
+
+
 def new_panels(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Panel]]:
     """Return an empty figure as data and its panels, as `new_figure` does of Matplotlib's."""
     panels = [Panel() for _ in range(rows * columns)]
     return Figure(width_mm=width_mm, height_mm=height_mm, rows=rows, columns=columns, panels=panels), panels
-
-
-class Look(TypedDict, total=False):
-    """What may be set of measured points, as in `Points`."""
-
-    colour: Colour
-    face: Colour
-    marker: Marker
-    size: float
-    edge_width: float
-    bar_width: float
 
 
 def measured(
@@ -356,28 +338,26 @@ def measured(
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
     label: str = "measured",
-    **look: Unpack[Look],
+    **look: Any,
 ) -> Iterator[Points]:
-    """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
-    stds = {"x_std": x_std, "y_std": y_std}
-    known = {name: std for name, std in stds.items() if std is not None}
-    x, y, hollow, faded, *bars = (
-        one.ravel() for one in broadcast(x, y, synthetic, left_out, *known.values())
-    )
-    usual: Look = {"size": 1.8, "edge_width": 0.5} if x.size > 80 else {"size": 4.2}
-    for out in (False, True):
-        for made in (False, True):
-            chosen = ((hollow != 0) == made) & ((faded != 0) == out)
-            if chosen.any():
-                own: Look = {"colour": BLUE, "face": "white" if made else "", **usual, **look}
-                yield Points(
-                    x[chosen],
-                    y[chosen],
-                    **{name: std[chosen] for name, std in zip(known, bars, strict=True)},
-                    **own,
-                    label=f"{label}{', left out' if out else ''}{' (synthetic)' if made else ''}",
-                    alpha=FADED if out else 1.0,
-                )
+    """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded.
+
+    They are small where there are many; `look` has other fields of `Points`.
+    """
+    usual = {"size": 1.8, "edge_width": 0.5} if np.size(x) > 80 else {"size": 4.2}
+    every = Points(x, y, x_std=x_std, y_std=y_std, **({"colour": BLUE} | usual | look))
+    data = data_of(every)
+    hollow, faded, _ = broadcast(np.ravel(synthetic), np.ravel(left_out), every.x)
+    for out, made in itertools.product((False, True), repeat=2):
+        chosen = ((faded != 0) == out) & ((hollow != 0) == made)
+        if chosen.any():
+            yield replace(
+                every,
+                **{name: column[chosen] for name, column in data.items()},
+                face=every.face or ("white" if made else ""),
+                label=f"{label}{', left out' if out else ''}{' (synthetic)' if made else ''}",
+                alpha=FADED if out else 1.0,
+            )
 
 
 def fitted(

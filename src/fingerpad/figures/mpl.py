@@ -3,23 +3,45 @@
 import base64
 import io
 from collections.abc import Callable
-from dataclasses import fields
 from functools import wraps
-from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec, TypeVar, assert_never
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Concatenate,
+    Final,
+    Literal,
+    ParamSpec,
+    TypeAlias,
+    TypeVar,
+    assert_never,
+)
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import NullLocator
 from PIL import Image
 
-from fingerpad.figures.marks import AnyMark, Band, Bars, Ellipses, Line, Panel, Picture, Points, Rule, Text
-from fingerpad.figures.style import in_style, log_subs
+from fingerpad.figures.marks import (
+    AnyMark,
+    Axis,
+    Band,
+    Bars,
+    Ellipses,
+    Line,
+    Panel,
+    Picture,
+    Points,
+    Rule,
+    Text,
+)
+from fingerpad.figures.style import in_style, tick_rule
 from fingerpad.figures.svg import legend_columns
 
 if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
     from matplotlib.axes import Axes
 
 Arguments = ParamSpec("Arguments")
-# Axes of Matplotlib, or a panel: what is drawn on is returned.
+# What is drawn on; it is returned.
+AxesOrPanel: TypeAlias = "Axes | Panel"
 AnyAxes = TypeVar("AnyAxes", "Axes", Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
@@ -42,35 +64,25 @@ def on_axes(
     """Let a function that adds marks to a panel draw on Matplotlib's axes too, and return what it drew on."""
 
     @wraps(plot)
-    def drawn(axes: AnyAxes, *args: Arguments.args, **options: Arguments.kwargs) -> AnyAxes:
-        panel = Panel()
+    def drawn(axes: AxesOrPanel, *args: Arguments.args, **options: Arguments.kwargs) -> AxesOrPanel:
+        panel = axes if isinstance(axes, Panel) else Panel()
         plot(panel, *args, **options)
-        place(panel, axes)
+        if not isinstance(axes, Panel):
+            draw(panel, axes)
         return axes
 
     return drawn  # type: ignore[return-value]  # Concatenate knows no names
 
 
-def place(panel: Panel, axes: "Axes | Panel") -> None:
-    """Draw a panel on axes, or add it to another, which takes over its axes."""
-    if not isinstance(axes, Panel):
-        draw(panel, axes)
-        return
-    for one in fields(panel):
-        setattr(axes, one.name, getattr(panel, one.name) if one.name != "marks" else axes.marks + panel.marks)
-
-
-@in_style
+@in_style()
 def draw(panel: Panel, axes: "Axes") -> None:
     """Draw a panel on Matplotlib's axes, in the style of these figures."""
-    for name in "xy":
-        if getattr(panel, name).log:
-            getattr(axes, f"set_{name}scale")("log")
+    axes.set(**{f"{name}scale": "log" for name in "xy" if getattr(panel, name).log})
     for number, mark in enumerate(panel.marks):
         _draw(mark, axes, _LOWEST + number)
     axes.margins(x=panel.x.margin, y=panel.y.margin)
-    for name in "xy":
-        _set_axis(panel, axes, name)
+    _set_axis(panel.x, axes, "x")
+    _set_axis(panel.y, axes, "y")
     if panel.equal:
         axes.set_aspect("equal")
     if not panel.framed:
@@ -81,33 +93,25 @@ def draw(panel: Panel, axes: "Axes") -> None:
     for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
         samples.setdefault(label, []).append(sample)
     if panel.legend and samples:
-        from matplotlib.legend_handler import HandlerTuple
-
-        axes.legend(
-            [tuple(each) if len(each) > 1 else each[0] for each in samples.values()],
-            list(samples),
-            ncols=legend_columns(panel, len(samples)),
-            handler_map={tuple: HandlerTuple()},
-            **_LEGENDS[panel.legend],
-        )
+        handles, columns = map(tuple, samples.values()), legend_columns(panel, len(samples))
+        axes.legend(list(handles), list(samples), ncols=columns, **_LEGENDS[panel.legend])
 
 
-def _set_axis(panel: Panel, axes: "Axes", name: str) -> None:
-    wanted, axis = getattr(panel, name), getattr(axes, f"{name}axis")
+def _set_axis(wanted: Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
+    axis = getattr(axes, f"{name}axis")
     if wanted.ticks is not None:
-        getattr(axes, f"set_{name}ticks")(
-            wanted.ticks, wanted.names or [f"{tick:g}" for tick in wanted.ticks]
-        )
+        axis.set_ticks(wanted.ticks, labels=wanted.tick_labels())
     if (wanted.low, wanted.high) != (None, None):
         getattr(axes, f"set_{name}lim")(wanted.low, wanted.high)
     if wanted.log:
-        if wanted.ticks is None:
-            axis.set_major_locator(LogLocator(subs=log_subs(*getattr(axes, f"get_{name}lim")())))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_locator(NullLocator())
+        if wanted.ticks is None:
+            locator, formatter = tick_rule(wanted, *axis.get_view_interval())
+            axis.set_major_locator(locator)
+            axis.set_major_formatter(formatter)
     if not wanted.lines:
-        axes.grid(visible=False, axis=name)  # type: ignore[arg-type]
-        axes.tick_params(axis=name, length=0)  # type: ignore[arg-type]
+        axes.grid(visible=False, axis=name)
+        axes.tick_params(axis=name, length=0)
     if wanted.label:
         axis.set_label_text(wanted.label)
 
@@ -131,11 +135,11 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
         case Band():
             axes.fill_between(mark.x, mark.low, mark.high, linewidth=0, **coloured)
         case Rule():
-            names = ("axhline", "axhspan") if mark.axis == "y" else ("axvline", "axvspan")
+            line, span = (axes.axhline, axes.axhspan) if mark.axis == "y" else (axes.axvline, axes.axvspan)
             if mark.to is None:
-                getattr(axes, names[0])(mark.at, linewidth=mark.width, linestyle=mark.dash, **coloured)
+                line(mark.at, linewidth=mark.width, linestyle=mark.dash, **coloured)
             else:
-                getattr(axes, names[1])(mark.at, mark.to, linewidth=0, **coloured)
+                span(mark.at, mark.to, linewidth=0, **coloured)
         case Bars():
             axes.barh(mark.place, mark.length, height=mark.height, **coloured)
         case Ellipses():
@@ -148,13 +152,10 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
                 units="points",
                 offsets=np.column_stack([mark.x, mark.y]),
                 offset_transform=axes.get_yaxis_transform() if mark.beside else axes.transData,
-                facecolors=mark.face,
-                edgecolors=mark.colour,
-                linewidths=0.9,
-                clip_on=False,
-                **look,
+                **look | {"facecolors": mark.face, "edgecolors": mark.colour, "linewidths": 0.9},
             )
             axes.add_collection(shapes, autolim=False)
+            shapes.set_clip_on(False)
         case Text():
             places = "data", "axes fraction"
             box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}

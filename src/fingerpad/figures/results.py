@@ -19,7 +19,6 @@ from fingerpad.figures.marks import (
     Dash,
     Ellipses,
     Line,
-    Look,
     Panel,
     Points,
     Rule,
@@ -59,7 +58,7 @@ def plot_corrected_radius(
     squares are `compliance_radius`, R_Aξ, to compare with R_g.
     """
     if fixed_geometry_std is not None:
-        bars: Look = {"marker": "", "bar_width": 2.4}
+        bars: dict[str, Any] = {"marker": "", "bar_width": 2.4}
         label = "_geometry held exact"  # not in the legend
         axes.add(
             *measured(
@@ -79,7 +78,7 @@ def plot_corrected_radius(
     axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
         # An outline wider than the circle, which would hide a square of nearly the same value.
-        squares: Look = {"marker": "s", "size": 6.5, "colour": GREY, "face": "none"}
+        squares: dict[str, Any] = {"marker": "s", "size": 6.5, "colour": GREY, "face": "none"}
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
         axes.add(*measured(load, compliance_radius, left_out=left_out, label=label, **squares))
     if printed is not None:

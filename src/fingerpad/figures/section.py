@@ -72,7 +72,7 @@ def plot_contact_pressure(
     axes.y = Axis("pressure (kPa)", low=0)
 
 
-@in_style
+@in_style()
 def plot_section(
     axes: Axes, section: ContactSection, *, highest_shear: tuple[float, float] | None = None
 ) -> ContourSet:
@@ -150,7 +150,7 @@ def _draw_bone(axes: Axes, section: ContactSection, bottom: float) -> None:
     )
 
 
-@in_style
+@in_style()
 def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, spacing: float) -> None:
     """Draw the middle depths of receptors as thin lines, their ranges as bars to the right of a section."""
     right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
@@ -199,7 +199,7 @@ class _Layout:
         return self.left / self.width, low / total, self.inner / self.width, height / total
 
 
-@in_style
+@in_style()
 def section_figure(
     field: ContactField,
     *,

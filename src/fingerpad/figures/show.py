@@ -86,7 +86,7 @@ class Drawing:
 
     def _write(self, target: Path | io.BytesIO, suffix: str) -> None:
         if isinstance(self.content, Figure):
-            in_style(self.content.savefig)(target, format=suffix, dpi=_DPI)
+            in_style()(self.content.savefig)(target, format=suffix, dpi=_DPI)
         else:
             self.content.save(target, format={"jpg": "jpeg", "tif": "tiff"}.get(suffix, suffix))
 

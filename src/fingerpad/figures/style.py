@@ -3,13 +3,15 @@
 import hashlib
 import io
 import re
-from collections.abc import Callable
-from functools import wraps
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html import escape
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib as mpl
+from matplotlib import ticker
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.units import MM_PER_INCH
@@ -18,9 +20,15 @@ if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn witho
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+    from fingerpad.figures.marks import Axis
 
+XML: Final = '<?xml version="1.0" encoding="utf-8"?>\n'
+# Of files, what would differ from one writing to the next.
+_VARYING: Final = {
+    "svg": ("Date", "Creator", "Format", "Type"),
+    "pdf": ("CreationDate", "Creator", "Producer"),
+    "png": ("Software",),
+}
 # Of PNG files: a tenth larger than by the usual 6, in half the time.
 PNG_LEVEL: Final = 3
 
@@ -66,6 +74,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "lines.markersize": 4,
     "errorbar.capsize": CAP_PT,
     "mathtext.fontset": "dejavusans",
+    "pdf.fonttype": 42,  # fonts that a journal can edit
     "figure.facecolor": "white",
     "axes.facecolor": "white",
     "savefig.facecolor": "white",
@@ -75,32 +84,31 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
 }
 
 
-def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Let `function` draw in the style of these figures, independent of the caller's settings."""
-
-    @wraps(function)
-    def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-        with mpl.rc_context():
-            mpl.rcdefaults()
-            mpl.rcParams.update(_STYLE)
-            return function(*args, **kwargs)
-
-    return styled
+@contextmanager
+def in_style() -> Iterator[None]:
+    """Draw in the style of these figures, independent of the caller's settings; decorates functions, too."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)
+        yield
 
 
-def escaped(text: str) -> str:
-    """Return text as it stands in XML, also in an attribute."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+def tick_rule(
+    axis: "Axis", low: float, high: float, most: int = 9
+) -> tuple[ticker.Locator, ticker.Formatter]:
+    """Return what places the ticks of an axis between its ends, `most` of them, and what labels them."""
+    if axis.ticks is not None:
+        return ticker.FixedLocator(axis.ticks), ticker.FixedFormatter(axis.tick_labels())
+    if axis.log:
+        # Most data span little more than a decade: one tick in each would be too few.
+        subs = (1,) if high >= 100 * low else (1, 2, 5) if high > 5 * low else (1, 1.5, 2, 3, 4, 5, 7)
+        return ticker.LogLocator(subs=subs), ticker.StrMethodFormatter("{x:g}")
+    numbers = ticker.ScalarFormatter(useOffset=False)
+    numbers.set_scientific(False)
+    return ticker.MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)), numbers
 
 
-def log_subs(low: float, high: float) -> tuple[float, ...]:
-    """Return which numbers of each decade a logarithmic axis names: most data span little more than one."""
-    if high < 100 * low:
-        return (1.0, 2.0, 5.0) if high > 5 * low else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
-    return (1.0,)
-
-
-@in_style
+@in_style()
 def new_figure(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
 ) -> tuple["Figure", list["Axes"]]:
@@ -113,32 +121,39 @@ def new_figure(
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
 
 
-@in_style
+@in_style()
+def render(figure: "Figure", kind: Literal["svg", "pdf", "png"], **options: Any) -> bytes:
+    """Return Matplotlib's figure as a file, the same bytes for the same drawing."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(_VARYING[kind]), **options)
+    return buffer.getvalue()
+
+
 def figure_svg(figure: "Figure", name: str, *, description: str = "") -> str:
     """Return the figure as an ``<svg>`` element that can stand in an HTML page beside others.
 
     Text stays text. Ids and styles carry a prefix made from `name` and the drawing, so that drawings in one
     page do not affect each other.
     """
-    buffer = io.StringIO()
-    nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-    figure.savefig(buffer, format="svg", metadata=nothing)
-    drawing = buffer.getvalue()
+    drawing = render(figure, "svg").decode()
     drawing = drawing[drawing.index("<svg") :]
-    digest = hashlib.sha256(f"{name}\0{drawing}".encode()).hexdigest()
-    prefix = f"figure-{digest[:12]}"
-    drawing = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', drawing)
-    drawing = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', drawing)
-    drawing = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", drawing)
+    prefix, attributes = svg_attributes(name, drawing, description)
+    drawing = re.sub(r'(\bid="|href="#|url\(#)', rf"\1{prefix}-", drawing)
     drawing = re.sub(r'(<style type="text/css">)\*', rf"\1#{prefix} *", drawing)
-    label = f' role="img" aria-label="{escaped(description)}"' if description else ""
-    return drawing.replace("<svg ", f'<svg id="{prefix}"{label} ', 1)
+    return drawing.replace("<svg ", f"<svg {attributes} ", 1)
 
 
-@in_style
+def svg_attributes(name: str, drawing: str, description: str) -> tuple[str, str]:
+    """Return an id that no other drawing in a page has, and the attributes of one that is read aloud."""
+    digest = hashlib.sha256(f"{name}\0{drawing}".encode()).hexdigest()
+    own = f"figure-{digest[:12]}"
+    return own, f'id="{own}"' + (f' role="img" aria-label="{escape(description)}"' if description else "")
+
+
+@in_style()
 def save_figure(
     figure: "Figure", path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
-) -> tuple[Path, Path]:
+) -> tuple[Path, ...]:
     """Write `path`.svg and `path`.png, the same bytes for the same drawing.
 
     Parameters
@@ -170,25 +185,24 @@ def save_figure(
     ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
     ['empty.svg', 'empty.png']
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    path, layout = Path(path), figure.get_layout_engine()
+    if layout is not None:  # once for both: left to itself each file takes two, longer than to draw it
+        layout.execute(figure)
+        figure.set_layout_engine("none")
+    png = render(figure, "png", dpi=dpi, pil_kwargs={"compress_level": PNG_LEVEL})
+    drawing = figure_svg(figure, path.name, description=description)
+    figure.set_layout_engine(layout)
+    return write_files(path, svg=f"{XML}{drawing}".encode(), png=png)
 
-    path = Path(path)
-    svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
-    layout = figure.get_layout_engine()
+
+def write_files(path: Path, **contents: bytes) -> tuple[Path, ...]:
+    """Write files of one name with these suffixes, and return them."""
+    files = {path.with_name(f"{path.name}.{suffix}"): content for suffix, content in contents.items()}
     try:
-        if layout is not None:
-            # Once for both: left to itself each file takes two layouts, which cost more than to draw it.
-            layout.execute(figure)
-            figure.set_layout_engine(None)
-        packing = {"compress_level": PNG_LEVEL}
-        figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None}, pil_kwargs=packing)
-        FigureCanvasAgg(figure)  # the one before holds ten megabytes of pixels, until the SVG is drawn
-        drawing = figure_svg(figure, path.name, description=description)
-        svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
+        for file, content in files.items():
+            file.write_bytes(content)
     except OSError as error:
         raise FingerpadError(
             f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another"
         ) from error
-    finally:
-        figure.set_layout_engine(layout)
-    return svg, png
+    return tuple(files)

@@ -4,24 +4,30 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from html import escape
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import matplotlib as mpl
 from PIL import ImageFont
 
-from fingerpad.figures.style import BLACK, escaped
+from fingerpad.figures.style import BLACK
 
 FONT_FAMILY: Final = "'DejaVu Sans', Verdana, sans-serif"
 LINE_HEIGHT: Final = 1.2
 _SCRIPT_SIZE: Final = 0.7
 _LOWERED, _RAISED = 0.15, -0.38  # of the font size, downwards
+_ANCHORS: Final = {"left": "", "center": ' text-anchor="middle"', "right": ' text-anchor="end"'}
 _MEASURED_AT: Final = 100  # px
 _ASCENT: Final = 0.76  # of digits and capitals, of the font size
-_COMMANDS: Final = {"beta": "β", "ell": "ℓ", "pi": "π", "propto": " ∝ ", "tau": "τ", "xi": "ξ"}
-_SPACED: Final = {"=": " = ", "±": " ± "}
-_TOKEN: Final = re.compile(r"\\mathrm\{(?P<upright>[^{}]*)\}|\\(?P<command>[a-z]+)\s*|(?P<other>.)")
-_SCRIPT: Final = re.compile(r"([_^])(\{(?:[^{}]|\{[^{}]*\})*\}|\\mathrm\{[^{}]*\}|\\[a-z]+|.)")
+_GREEK: Final = {"beta": "β", "ell": "ℓ", "pi": "π", "propto": " ∝ ", "tau": "τ", "xi": "ξ"}
+_SYMBOLS: Final = _GREEK | {"=": " = ", "±": " ± "}
+# A script, a command or a group, and other single letters and signs.
+_TOKEN: Final = re.compile(
+    r"(?P<script>[_^]?)(?P<upright>(?:\\mathrm)?)"
+    r"(?:\{(?P<group>(?:[^{}]|\{[^{}]*\})*)\}|\\(?P<command>[a-z]+)\s*|(?P<sign>.))"
+)
+_SCRIPTS: Final = {"^": 1, "_": -1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +40,7 @@ class Run:
 
     def width(self, size: float) -> float:
         """Return the width at a font size, both in points."""
-        return text_width(self.text, size * (_SCRIPT_SIZE if self.script else 1.0))
+        return _font().getlength(self.text) * size * (_SCRIPT_SIZE if self.script else 1.0) / _MEASURED_AT
 
 
 @cache
@@ -43,45 +49,28 @@ def runs(text: str) -> tuple[Run, ...]:
 
     Formulas have letters, ``\mathrm``, subscripts, superscripts, and the Greek letters of these figures.
     """
-    found: list[Run] = []
-    for place, part in enumerate(text.split("$")):
-        if place % 2 == 0:
-            found += [Run(part)] if part else []
-            continue
-        end = 0
-        for match in _SCRIPT.finditer(part):
-            found += _symbols(part[end : match.start()], 0)
-            inner = match[2][1:-1] if match[2].startswith("{") else match[2]
-            found += _symbols(inner, 1 if match[1] == "^" else -1)
-            end = match.end()
-        found += _symbols(part[end:], 0)
-    return tuple(found)
+    parts = ([Run(part)] if place % 2 == 0 else _symbols(part) for place, part in enumerate(text.split("$")))
+    return tuple(run for part in parts for run in part if run.text)
 
 
-def _symbols(formula: str, script: int) -> Iterator[Run]:
-    """Yield the symbols of a formula without scripts: letters slanted, digits and signs upright."""
+def _symbols(formula: str, script: int = 0) -> Iterator[Run]:
+    """Yield the symbols of a formula: letters slanted, digits and signs upright."""
     for match in _TOKEN.finditer(formula):
-        if match["upright"] is not None:
-            yield Run(match["upright"], script=script)
+        here = _SCRIPTS.get(match["script"], script)
+        if match["group"] is not None and match["upright"]:
+            yield Run(match["group"], script=here)
+        elif match["group"] is not None:
+            yield from _symbols(match["group"], here)
         else:
-            symbol = (
-                _COMMANDS.get(match["command"], match["command"])
-                if match["command"]
-                else _SPACED.get(*2 * (match["other"],))
-            )
-            if symbol != " ":
-                yield Run(symbol, slanted=symbol.isalpha(), script=script)
-
-
-def line_width(text: str, size: float) -> float:
-    """Return the width of the longest line of a text at a font size, both in points."""
-    return max(sum(run.width(size) for run in runs(line)) for line in text.split("\n"))
+            name = match["command"] or match["sign"].strip()
+            symbol = _SYMBOLS.get(name, name)
+            yield Run(symbol, slanted=symbol.isalpha(), script=here)
 
 
 @cache
-def text_width(text: str, size: float) -> float:
-    """Return the width of plain text at a font size, both in points."""
-    return _font().getlength(text) * size / _MEASURED_AT
+def line_width(text: str, size: float) -> float:
+    """Return the width of the longest line of a text at a font size, both in points."""
+    return max(sum(run.width(size) for run in runs(line)) for line in text.split("\n"))
 
 
 @cache
@@ -91,18 +80,16 @@ def _font() -> ImageFont.FreeTypeFont:
 
 
 @cache
-def text_element(text: str, size: float, colour: str, anchor: str, extra: str = "") -> str:
-    """Return a text of one line as the inner part of an element, to be placed by its x and y."""
-    start = f'font-size="{size:g}" fill="{colour}"'
-    start += f' text-anchor="{anchor}"' if anchor != "start" else ""
-    return f"{start}{extra}>{''.join(_spans(runs(text), size))}</text>"
+def _line(text: str, size: float) -> str:
+    """Return a line of text with its formulas as spans."""
+    return "".join(_spans(text, size))
 
 
-def _spans(of: tuple[Run, ...], size: float) -> Iterator[str]:
-    """Yield the runs as spans, a superscript over the subscript before it."""
+def _spans(text: str, size: float) -> Iterator[str]:
+    """Yield the runs of a line as spans, a superscript over the subscript before it."""
     height = 0.0
     before = Run("")
-    for run in of:
+    for run in runs(text):
         target = {0: 0.0, 1: _RAISED * size, -1: _LOWERED * size}[run.script]
         attributes = f' dy="{target - height:.2f}"' if target != height else ""
         if run.script == 1 and before.script == -1:
@@ -111,7 +98,8 @@ def _spans(of: tuple[Run, ...], size: float) -> Iterator[str]:
             attributes += f' font-size="{_SCRIPT_SIZE * size:.2f}"'
         if run.slanted:
             attributes += ' font-style="italic"'
-        yield f"<tspan{attributes}>{escaped(run.text)}</tspan>" if attributes else escaped(run.text)
+        shown = escape(run.text, quote=False)
+        yield f"<tspan{attributes}>{shown}</tspan>" if attributes else shown
         height = target
         before = Run(before.text + run.text, script=run.script) if run.script == before.script == -1 else run
 
@@ -126,8 +114,8 @@ class TextBox(NamedTuple):
     horizontal: str = "left"
     vertical: str = "baseline"
     colour: str = BLACK
-    extra: str = ""
-    boxed: bool = False
+    tag: bool = False
+    turned: bool = False  # to read upwards
 
     def baselines(self) -> list[float]:
         """Return y of the baseline of each line."""
@@ -139,22 +127,27 @@ class TextBox(NamedTuple):
 
     def box(self) -> tuple[float, float, float, float]:
         """Return left, right, top and bottom."""
-        width = line_width(self.text, self.size)
+        width, baselines = line_width(self.text, self.size), self.baselines()
         left = self.x - {"left": 0.0, "center": width / 2, "right": width}[self.horizontal]
-        baselines = self.baselines()
-        return left, left + width, baselines[0] - _ASCENT * self.size, baselines[-1] + 0.2 * self.size
+        top, bottom = baselines[0] - _ASCENT * self.size, baselines[-1] + 0.2 * self.size
+        if not self.turned:
+            return left, left + width, top, bottom
+        across, down = self.x - self.y, self.x + self.y
+        return top + across, bottom + across, down - left - width, down - left
 
     def element(self) -> str:
         """Return the text as SVG."""
-        anchor = {"left": "start", "center": "middle", "right": "end"}[self.horizontal]
+        look = f'font-size="{self.size:g}" fill="{self.colour}"{_ANCHORS[self.horizontal]}'
         drawn = ""
-        if self.boxed:
+        if self.turned:
+            look += f' transform="rotate(-90 {self.x:.2f} {self.y:.2f})"'
+        if self.tag:
+            look += ' font-weight="bold" font-style="italic"'
             left, right, top, bottom = self.box()
             drawn = (
                 f'<rect x="{left - 1:.2f}" y="{top - 1:.2f}" width="{right - left + 2:.2f}" '
                 f'height="{bottom - top + 1:.2f}" fill="#fff" fill-opacity=".7"/>'
             )
         for line, y in zip(self.text.split("\n"), self.baselines(), strict=True):
-            inner = text_element(line, self.size, self.colour, anchor, self.extra)
-            drawn += f'<text x="{self.x:.2f}" y="{y:.2f}" {inner}'
+            drawn += f'<text x="{self.x:.2f}" y="{y:.2f}" {look}>{_line(line, self.size)}</text>'
         return drawn
