@@ -24,8 +24,9 @@ from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary_file import ValidityRecord
 from fingerpad.study.results.validity.model_checks import INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.verdict import Validity, validity_of
+from fingerpad.study.results.validity.verdict import validity_of
 
 HEADLINES: Final = (RADIUS, MODULUS, INDENTATION)
 VERDICTS: Final = ("holds", "strained", "fails")
@@ -127,7 +128,7 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
 class SimulatedStudy(NamedTuple):
     """A simulated study of one finger, with the truth of its headlines."""
 
-    validity: Validity
+    validity: ValidityRecord
     truth: dict[str, float]
 
 

@@ -42,7 +42,7 @@ def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path: Path) -> None:
         assert math.isnan(alone.youngs_modulus_on_layer_kpa)
     (summary,), (validity,) = without.summaries, without.validities
     assert summary.corrected_radius is summary.compliance_radius is summary.layer is None
-    growth = next(one for one in validity.checks if one.name == "area_against_load")
+    growth = next(one for one in validity.checks if one.check == "area_against_load")
     assert growth.value == pytest.approx(2 / 3)
     assert validity.verdict == "not tested"  # an exponent alone tests no theory
 
@@ -67,7 +67,7 @@ def test_the_sentence_says_what_is_missing(tmp_path: Path) -> None:
 def test_a_loading_curve_stands_beside_areas(tmp_path: Path) -> None:
     found = run(tmp_path, finger(std=0), *PRESSES, curve(loading_radius_mm=15, loading_radius_mm_std=1))
     (validity,) = found.validities
-    radius = next(one for one in validity.checks if one.name == "radius_against_loading")
+    radius = next(one for one in validity.checks if one.check == "radius_against_loading")
     assert (radius.verdict, radius.note) == ("not tested", "the finger has no semi-axes")
 
 

@@ -11,8 +11,9 @@ from tests.study.test_repeats import PADS, STUDY, contact
 from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.results.pooling import Exponent, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
+from fingerpad.study.results.summary_file import ValidityRecord
 from fingerpad.study.results.validity.model_checks import MODULUS
-from fingerpad.study.results.validity.verdict import Validity, validity_of
+from fingerpad.study.results.validity.verdict import validity_of
 
 STATED = 0.02
 
@@ -42,7 +43,7 @@ def pressed(seed: int, presses: int = 1, frames: int = 40) -> Rows:
     return model_contacts(STUDY, PADS, seen)
 
 
-def validity(rows: Rows) -> Validity:
+def validity(rows: Rows) -> ValidityRecord:
     (found,) = validity_of(STUDY, PADS, rows, pool_contacts(rows), [])
     return found
 
@@ -52,7 +53,7 @@ def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model() ->
     for seed in range(12):
         rows = pressed(seed)
         exponents.append(area_exponent(rows.table))
-        (growth,) = (one for one in validity(rows).checks if one.name == "area_against_load")
+        (growth,) = (one for one in validity(rows).checks if one.check == "area_against_load")
         assert growth.value == pytest.approx(exponents[-1].value)
         assert growth.value_std >= 0.4 * exponents[-1].std
         assert growth.verdict != "fails"

@@ -1,7 +1,6 @@
 """Comparisons of two ways to a quantity, verdicts, and the discrepancy of a model."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,7 +21,7 @@ from fingerpad.study.results.validity.model_checks import (
     verdict_of_error,
 )
 
-CHECK = ValidityCheck(name="n", compared="n", quantities=("E",))
+CHECK = ValidityCheck(check="n", compared="n", headlines=("E",))
 
 
 def ratio(value: float, std: float, reference: float, reference_std: float) -> ValidityCheck:
@@ -101,7 +100,7 @@ def test_small_samples_are_judged_by_t() -> None:
 
 
 def named(check: ValidityCheck, name: str) -> ValidityCheck:
-    return replace(check, name=name)
+    return check.with_fields(check=name)
 
 
 def test_several_checks_share_the_chance_of_a_false_alarm() -> None:
@@ -113,7 +112,7 @@ def test_several_checks_share_the_chance_of_a_false_alarm() -> None:
     assert judge_together([one, *(named(sure, f"s{k}") for k in range(9))])[0].verdict == STRAINED
     copies = [named(one, f"c{k}") for k in range(9)]
     assert {each.verdict for each in judge_together(copies)} == {HOLDS}
-    together = judge_together(copies, same=[each.name for each in copies])
+    together = judge_together(copies, same=[each.check for each in copies])
     assert {each.verdict for each in together} == {STRAINED}
     rng = np.random.default_rng(5)
     alarms = [

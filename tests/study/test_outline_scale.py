@@ -58,7 +58,7 @@ def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path: Path) ->
         result = study(folder, {"scale": "camera"}, of_areas)
         (validity,), (of_curve,) = result.validities, result.curves
         radii[scale] = of_curve.layer.radius
-        (check,) = (one for one in validity.checks if one.name == "radius_against_loading")
+        (check,) = (one for one in validity.checks if one.check == "radius_against_loading")
         spreads[scale] = check.relative_std
     # The pad's radius goes with the scale of its outlines, R_g with the square of that of the areas.
     first, second = 1 + 0.03 * np.random.default_rng(0).normal(size=(2, 100_000))

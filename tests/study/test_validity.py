@@ -16,6 +16,7 @@ from fingerpad.report.text import remedies, to_do
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import ValidityRecord
 from fingerpad.study.results.table import records
 from fingerpad.study.results.validity.model_checks import (
     FAILS,
@@ -27,13 +28,12 @@ from fingerpad.study.results.validity.model_checks import (
     STRAINED,
     ValidityCheck,
 )
-from fingerpad.study.results.validity.verdict import Validity
 
 WRONG = [name for name in CASES if not name.startswith("Hertz") and not name.endswith("with curve")]
 
 
-def named(validity: Validity, name: str) -> ValidityCheck:
-    (found,) = (check for check in validity.checks if check.name == name)
+def named(validity: ValidityRecord, name: str) -> ValidityCheck:
+    (found,) = (check for check in validity.checks if check.check == name)
     return found
 
 
@@ -140,7 +140,7 @@ def pressed(name: str, load: float = 1, major: float = 3.5, std: float = 0.05, *
     return contact(name, load, (major, major / 1.07), std=std, **{"axis": "across", **keys})
 
 
-def run(folder: Path, *given: Table, **stated: float) -> tuple[StudyResult, list[Validity]]:
+def run(folder: Path, *given: Table, **stated: float) -> tuple[StudyResult, list[ValidityRecord]]:
     result = studies.run(folder, *given, uncertainty={**STATED, **stated})
     write_tables(result, folder / "out")
     return result, result.validities
@@ -191,7 +191,7 @@ def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
     (summary,) = summary_of(tmp_path / "out")["summaries"]
     record = summary["validity"]
     assert record["verdict"] == FAILS
-    assert {one["check"] for one in record["checks"]} == {check.name for check in validity.checks}
+    assert {one["check"] for one in record["checks"]} == {check.check for check in validity.checks}
     radius = next(one for one in record["checks"] if one["check"] == "radius_against_loading")
     assert radius["difference"] == pytest.approx(radius["value"] - 20.0)
     assert radius["headlines"] == [RADIUS]
@@ -293,8 +293,8 @@ def test_a_direction_that_is_not_known_is_not_judged(tmp_path: Path) -> None:
 def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdict: str) -> None:
     truth = Truth(thickness=7.0, modulus=0.25, with_curve=True, stated_thickness=stated)
     found = simulated(truth, 0, tmp_path)
-    assert (found.validity.verdict, found.validity.layer_verdict) == (FAILS, verdict)
-    modulus = next(check for check in found.validity.layer_checks if check.name == "modulus_on_layer")
+    assert (found.validity.verdict, found.validity.on_layer.verdict) == (FAILS, verdict)
+    modulus = next(check for check in found.validity.on_layer.checks if check.check == "modulus_on_layer")
     if verdict == HOLDS:
         assert modulus.value == pytest.approx(found.truth[MODULUS], rel=0.1)
         assert modulus.reference == pytest.approx(found.truth[MODULUS], rel=0.1)

@@ -33,7 +33,6 @@ from fingerpad.study.results.validity.model_checks import (
     NOT_TESTED,
     RADIUS,
     STRAINED,
-    ValidityCheck,
 )
 from fingerpad.units import KPA_PER_MPA
 
@@ -119,11 +118,12 @@ def phase_words(phases: ManualPhases) -> str:
     return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.correction.why})"
 
 
-def remedies(checks: Iterable[ValidityCheck]) -> dict[str, str]:
+def remedies(checks: Iterable[CheckRecord]) -> dict[str, str]:
     """Return what to do about each check that does not hold, by its name; what is said twice at the first."""
-    off = [one for one in checks if one.verdict in {STRAINED, FAILS} and one.name in _REMEDIES]
-    first = {_PRESS_LESS if math.isnan(one.value) else _REMEDIES[one.name]: one.name for one in reversed(off)}
-    return {name: words for words, name in first.items()}
+    off = [one for one in checks if one.verdict in {STRAINED, FAILS} and one.check in _REMEDIES]
+    words = [_PRESS_LESS if math.isnan(one.value) else _REMEDIES[one.check] for one in off]
+    first = {to_do: one.check for to_do, one in zip(words[::-1], off[::-1], strict=True)}
+    return {check: to_do for to_do, check in first.items()}
 
 
 def check_words(check: CheckRecord) -> str:
@@ -234,7 +234,7 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
     """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
     for summary, validity in zip(result.summaries, result.validities, strict=True):
         for check in validity.checks:
-            if check.name == AREA_FALLS and check.verdict in {STRAINED, FAILS}:
+            if check.check == AREA_FALLS and check.verdict in {STRAINED, FAILS}:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
     for summary in result.summaries:

@@ -20,10 +20,9 @@ from fingerpad.study.results.repeats import (
     nominal_loads,
 )
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
-from fingerpad.study.results.summary_file import AtLoadRecord
+from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
 from fingerpad.study.results.table import groups, items
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED
-from fingerpad.study.results.validity.verdict import Validity
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 from fingerpad.units import KPA_PER_MPA
@@ -96,7 +95,7 @@ def pool_by_load(
     rows: Rows,
     repeatability: Mapping[bool, ContactRepeatability],
     scatter: Sequence[StudyScatter] = (),
-    validities: Mapping[PlacementKey, Validity] = MappingProxyType({}),
+    validities: Mapping[PlacementKey, ValidityRecord] = MappingProxyType({}),
 ) -> list[AtLoadRecord]:
     """Pool the contacts that count, for each finger, placement and nominal load.
 
@@ -131,7 +130,7 @@ def _at_load(
     rows: pd.DataFrame,
     *,
     repeatability: ContactRepeatability,
-    validity: Validity | None,
+    validity: ValidityRecord | None,
     between: Mapping[tuple[str, bool], ScatterComponent],
 ) -> AtLoadRecord:
     finger, wedge, roll, synthetic = key
@@ -170,8 +169,8 @@ def _at_load(
         **_by_hertz(rows, freedom, sessions("youngs_modulus"), validity),
         youngs_modulus_kpa_verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
         **_on_layer(of, rows, freedom, sessions("youngs_modulus")),
-        youngs_modulus_on_layer_kpa_verdict=validity.layer_verdict
-        if validity and validity.layer_checks
+        youngs_modulus_on_layer_kpa_verdict=validity.on_layer.verdict
+        if validity and validity.on_layer
         else "",
     )
 
@@ -180,7 +179,7 @@ def _by_hertz(
     rows: pd.DataFrame,
     freedom: float,
     sessions: tuple[int, ScatterComponent | None],
-    validity: Validity | None,
+    validity: ValidityRecord | None,
 ) -> dict[str, float]:
     """Pool Young's modulus by Hertz theory; nothing of a finger without semi-axes."""
     rows = rows[:0] if np.isnan(contact_quantity(rows, "youngs_modulus")).any() else rows

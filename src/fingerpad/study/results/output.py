@@ -33,9 +33,7 @@ from fingerpad.study.results.validity.model_checks import (
     MODULUS,
     RADIUS,
     STRAINED,
-    ValidityCheck,
 )
-from fingerpad.study.results.validity.verdict import Validity
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
@@ -203,7 +201,7 @@ def _photograph(one: PhotographResult) -> summary_file.PhotographRecord:
 def _placement(
     summary: Summary,
     check: summary_file.UncertaintyCheckRecord | None,
-    validity: Validity,
+    validity: summary_file.ValidityRecord,
     loading: LoadingRadius | None,
 ) -> summary_file.PlacementRecord:
     first, framed = summary.first, summary.column("frame").notna()
@@ -227,7 +225,7 @@ def _placement(
         radius_from_indentation_mm_model_std=radius.model_std,
         radius_from_indentation_mm_total_std=radius.total_std,
         radius_from_indentation_mm_verdict=radius.verdict,
-        validity=_validity(validity),
+        validity=validity,
     )
 
 
@@ -290,22 +288,6 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
         f"{name}_{unit}_std": quantity and quantity.std,
         f"{name}_variance_shares": quantity and quantity.budget,
     }
-
-
-def _validity(validity: Validity) -> summary_file.ValidityRecord:
-    layer = [_check(one) for one in validity.layer_checks]
-    return summary_file.ValidityRecord.of(
-        validity,
-        model="Hertz theory",
-        checks=[_check(one) for one in validity.checks],
-        on_layer=summary_file.LayerValidityRecord(verdict=validity.layer_verdict, checks=layer)
-        if layer
-        else None,
-    )
-
-
-def _check(one: ValidityCheck) -> summary_file.CheckRecord:
-    return summary_file.CheckRecord.of(one, check=one.name, headlines=one.quantities)
 
 
 def _contact_repeatability(

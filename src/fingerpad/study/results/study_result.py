@@ -35,9 +35,9 @@ from fingerpad.study.results.repeats import (
     study_scatter,
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
-from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord
+from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord, ValidityRecord
 from fingerpad.study.results.table import COLUMNS, groups, records
-from fingerpad.study.results.validity.verdict import Validity, validity_of, with_verdicts
+from fingerpad.study.results.validity.verdict import validity_of, with_verdicts
 from fingerpad.uncertainty import (
     Inputs,
     pad_model,
@@ -142,7 +142,7 @@ class StudyResult(Displayed):
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[StudyScatter]  # how each quantity scatters between repeats, sessions, fingers and persons
     by_load: list[AtLoadRecord]  # area and modulus of each finger at each load
-    validities: list[Validity]  # whether the model holds in each summary
+    validities: list[ValidityRecord]  # whether the model holds in each summary
     curves: list[CurveResult]
     provenance: dict[str, Any]  # versions, input hashes, formulas
     notes: tuple[str, ...] = ()  # what is odd about people's corrections

@@ -283,7 +283,7 @@ class CheckRecord(Record):
 
     check: str = Field(description="Its name.")
     compared: str = Field(description="What is compared, in words.")
-    headlines: list[str] = Field(description="Results that it concerns.")
+    headlines: tuple[str, ...] = Field(description="Results that it concerns.")
     verdict: str = Field(description="`holds`, `strained`, `fails` or `not tested`.")
     unit: Text = Field(description="Unit of value, reference and difference; null for pure numbers.")
     value: Number = Field(description="What the model gives.")

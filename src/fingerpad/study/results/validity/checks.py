@@ -6,7 +6,6 @@ question.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -45,7 +44,7 @@ from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"
 _OVER_LOADS: Final = {
-    name: ValidityCheck(name=name, compared=words, quantities=(MODULUS, INDENTATION))
+    name: ValidityCheck(check=name, compared=words, headlines=(MODULUS, INDENTATION))
     for name, words in (
         (GROWTH, "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory"),
         (AREA_FALLS, "area over that at a lower load, where it falls most significantly"),
@@ -143,25 +142,29 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     std = np.sqrt(seen.own[lower] ** 2 + seen.own[upper] ** 2 + shared)
     worst = int(np.argmin(grown / np.maximum(std, np.finfo(float).tiny))) if grown.size else -1
     if worst < 0 or grown[worst] >= 0:
-        return replace(
-            _OVER_LOADS[AREA_FALLS], verdict=HOLDS, note="no area is smaller than one at a lower load"
+        return _OVER_LOADS[AREA_FALLS].with_fields(
+            verdict=HOLDS, note="no area is smaller than one at a lower load"
         )
     deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
     change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
     ratio = math.exp(grown[worst])
-    return replace(
-        _OVER_LOADS[AREA_FALLS],
-        value=ratio,
-        value_std=ratio * float(std[worst]),
-        reference=1.0,
-        reference_std=0.0,
-        relative_difference=math.expm1(change),
-        difference_of=_EFFECT_ON,
-        relative_std=-_OF_MODULUS * float(std[worst]),
-        deviations=deviations,
-        p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
-        note=f"from {_range(*ends)}",
-    ).judged()
+    return (
+        _OVER_LOADS[AREA_FALLS]
+        .with_fields(
+            value=ratio,
+            value_std=ratio * float(std[worst]),
+            reference=1.0,
+            reference_std=0.0,
+            difference=ratio - 1.0,
+            relative_difference=math.expm1(change),
+            difference_of=_EFFECT_ON,
+            relative_std=-_OF_MODULUS * float(std[worst]),
+            deviations=deviations,
+            p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
+            note=f"from {_range(*ends)}",
+        )
+        .judged()
+    )
 
 
 def _range(low: float, high: float) -> str:
@@ -195,17 +198,17 @@ def _by_level(seen: _Areas) -> _Areas:
 
 
 _SHAPE: Final = ValidityCheck(
-    name="shape",
+    check="shape",
     compared="length along the finger over that across, and of Hertz theory for the pad",
-    quantities=HEADLINES,
+    headlines=HEADLINES,
 )
 _NO_DIRECTION: Final = "the contact's direction is not known: only its aspect ratio is compared"
 _OF_SIZE: Final = {
     kind: {
         name: ValidityCheck(
-            name=f"{name.rsplit('_', 1)[0]}_on_{kind}",
+            check=f"{name.rsplit('_', 1)[0]}_on_{kind}",
             compared=f"{symbol} of Hertz theory and the whole pad on {words}",
-            quantities=of,
+            headlines=of,
             unit=UNITS[name],
         )
         # A/(πξ) is as wrong as ξ.
@@ -213,6 +216,7 @@ _OF_SIZE: Final = {
     }
     for kind, words in (("half_space", "a half-space"), ("layer", "tissue over bone"))
 }
+_VALUES: Final = ("value", "reference", "difference")
 # Sizes of the contact, from small to its own, at which the error is known or not.
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
@@ -321,11 +325,11 @@ def _errors(
     ):
         found = checks[name].of_known_error(value, reference, size)
         # Values of a narrower contact under this load are none of this contact's.
-        yield replace(found, value=math.nan, reference=math.nan) if flag else found
+        yield found.with_fields(**dict.fromkeys(_VALUES, math.nan)) if flag else found
 
 
 _CHECKS: Final = {
-    name: ValidityCheck(name=ROUTES[name], compared=words, quantities=(name,), unit=UNITS[name])
+    name: ValidityCheck(check=ROUTES[name], compared=words, headlines=(name,), unit=UNITS[name])
     for name, words in (
         (RADIUS, "A/(πξ) of Hertz theory for the pad, and R_g from loading data"),
         (MODULUS, "E from load and area, and from load and indentation"),
@@ -505,21 +509,21 @@ def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
 
 _ON_LAYER: Final = ("loading_radius_on_layer_mm", "youngs_modulus_on_layer_kpa", "indentation_on_layer_mm")
 _LAYER_RADIUS: Final = ValidityCheck(
-    name="loading_radius_on_layer",
+    check="loading_radius_on_layer",
     compared="A/(πξ) on the layer, and R_g from loading data",
-    quantities=_ON_LAYER[:1],
+    headlines=_ON_LAYER[:1],
     unit="mm",
 )
 _LAYER_MODULUS: Final = ValidityCheck(
-    name="modulus_on_layer",
+    check="modulus_on_layer",
     compared="E on the layer from load and area, and from load and indentation",
-    quantities=_ON_LAYER[1:],
+    headlines=_ON_LAYER[1:],
     unit="kPa",
 )
 _LAYER_SHAPE: Final = ValidityCheck(
-    name="shape_on_layer",
+    check="shape_on_layer",
     compared="length along the finger over that across, and of the pad on the layer",
-    quantities=_ON_LAYER,
+    headlines=_ON_LAYER,
 )
 # A larger radius makes E from the area larger and E from the indentation smaller; thicker tissue makes both
 # larger.

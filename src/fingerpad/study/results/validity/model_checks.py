@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final, NamedTuple, Self
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 from scipy import optimize, special
 
 from fingerpad._arrays import ArrayLike, as_float_array, check_all
@@ -19,6 +20,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import HighestLoad, Rows
+from fingerpad.study.results.summary_file import CheckRecord, Number, Text
 from fingerpad.study.results.table import Row, first_record
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
@@ -34,36 +36,35 @@ STRAINED_BELOW_P, FAILS_BELOW_P = 0.05, 0.001
 STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class ValidityCheck(Displayed):
+class ValidityCheck(CheckRecord):
     """One check of a model: what it compares, and what comes of it."""
 
-    name: str
-    compared: str
-    quantities: tuple[str, ...]
-    verdict: str = NOT_TESTED  # ``holds``, ``strained``, ``fails`` or ``not tested``
-    unit: str = ""  # of the values; empty for pure numbers
-    # What the model gives, and what it is compared with; NaN where there is none.
-    value: float = math.nan
-    value_std: float = math.nan
-    reference: float = math.nan
-    reference_std: float = math.nan
-    # Of the results that it concerns, signed.
-    relative_difference: float = math.nan
-    difference_of: str = ""  # the result that this is of; empty where it is what is compared
-    relative_std: float = math.nan  # standard uncertainty of that, as of a logarithm; NaN for a known error
-    deviations: float = math.nan  # the difference over its standard uncertainty
-    p_value: float = math.nan  # chance of a larger difference if the model held; NaN for a known error
-    note: str = ""  # what was assumed, or why there is no verdict
+    verdict: str = NOT_TESTED
+    unit: Text = ""
+    value: Number = math.nan
+    value_std: Number = math.nan
+    reference: Number = math.nan
+    reference_std: Number = math.nan
+    difference: Number = math.nan
+    relative_difference: Number = math.nan
+    difference_of: Text = ""
+    # Standard uncertainty of the relative difference, as of a logarithm; NaN for a known error.
+    relative_std: float = Field(default=math.nan, exclude=True)
+    deviations: Number = math.nan
+    p_value: Number = math.nan
+    note: Text = ""
 
-    @property
-    def difference(self) -> float:
-        """The value less the reference, in their unit."""
-        return self.value - self.reference
+    def model_post_init(self, _: object) -> None:
+        """Have all keys in the file, what is not known as null."""
+        self.__pydantic_fields_set__.update(type(self).model_fields)
+
+    def with_fields(self, **changed: Any) -> Self:
+        """Return the check with some fields changed."""
+        return self.model_copy(update=changed)
 
     def untested(self, why: str) -> Self:
         """Return the check without data."""
-        return replace(self, unit="", note=why)
+        return self.with_fields(unit="", note=why)
 
     def of_ratio(
         self,
@@ -81,12 +82,12 @@ class ValidityCheck(Displayed):
         spread = math.hypot(value[1] / value[0], reference[1] / reference[0]) if log_std is None else log_std
         ratio = math.log(value[0] / reference[0])
         deviations = _deviations(ratio, spread)
-        return replace(
-            self,
+        return self.with_fields(
             value=value[0],
             value_std=value[1],
             reference=reference[0],
             reference_std=reference[1],
+            difference=value[0] - reference[0],
             relative_difference=math.expm1(ratio),
             relative_std=spread,
             deviations=deviations,
@@ -111,12 +112,12 @@ class ValidityCheck(Displayed):
         """
         difference = value[0] - reference
         deviations = _deviations(difference, value[1])
-        return replace(
-            self,
+        return self.with_fields(
             value=value[0],
             value_std=value[1],
             reference=reference,
             reference_std=0.0,
+            difference=difference,
             relative_difference=math.expm1(effect * difference),
             difference_of=effect_on,
             relative_std=abs(effect) * value[1],
@@ -128,11 +129,11 @@ class ValidityCheck(Displayed):
     def of_known_error(self, value: float, reference: float, note: str) -> Self:
         """Compare a model with a better one on the same data: a known error, without a probability."""
         error = value / reference - 1
-        return replace(
-            self,
+        return self.with_fields(
             verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
             value=value,
             reference=reference,
+            difference=value - reference,
             relative_difference=error,
             note=note,
         )
@@ -148,13 +149,13 @@ class ValidityCheck(Displayed):
         size = math.expm1(abs(math.log1p(self.relative_difference)))
         verdict = verdict_of(p_value, size, self.relative_std)
         if verdict != NOT_TESTED:
-            return replace(self, verdict=verdict)
+            return self.with_fields(verdict=verdict)
         why = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
         if self.p_value < STRAINED_BELOW_P:
             why = f"p = {p_value:.2g} among all comparisons: it may be chance"
         if why not in self.note:
-            return replace(self, verdict=verdict, note="; ".join(filter(None, (self.note, why))))
-        return replace(self, verdict=verdict)
+            return self.with_fields(verdict=verdict, note="; ".join(filter(None, (self.note, why))))
+        return self.with_fields(verdict=verdict)
 
 
 def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) -> tuple[ValidityCheck, ...]:
@@ -165,7 +166,7 @@ def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) 
 
     Checks without a probability stay as they are; those named `same` are one comparison.
     """
-    comparisons = [-1 if one.name in same else number for number, one in enumerate(checks)]
+    comparisons = [-1 if one.check in same else number for number, one in enumerate(checks)]
     least: dict[int, float] = {}
     for comparison, one in zip(comparisons, checks, strict=True):
         if not math.isnan(one.p_value):

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -15,7 +14,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary_file import HeadlineRecord
+from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRecord, ValidityRecord
 from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.results.validity.checks import (
     GROWTH,
@@ -44,30 +43,6 @@ _NOT_ESTIMATED = "not estimated: there are no loading data"
 Discrepancies = Mapping[str, ModelDiscrepancy | None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Validity:
-    """Whether Hertz theory holds for a finger at an angle."""
-
-    checks: tuple[ValidityCheck, ...]
-    # by column: the corrected radius, pooled, and Young's modulus and indentation of one contact
-    headlines: dict[str, HeadlineRecord]
-    observation: str  # that contact, the one at the highest load; empty without one
-    load: float
-    # those of the whole pad on the finger's layer of tissue; none without a thickness
-    layer_checks: tuple[ValidityCheck, ...] = ()
-
-    @property
-    def layer_verdict(self) -> str:
-        """The worst of the checks of the layer."""
-        return overall_verdict(check.verdict for check in self.layer_checks)
-
-    @property
-    def verdict(self) -> str:
-        """The worst of all checks; an exponent alone, of a finger without semi-axes, tests no theory."""
-        worst = overall_verdict(check.verdict for check in self.checks)
-        return NOT_TESTED if worst == HOLDS and not self.observation else worst
-
-
 def validity_of(
     study: Study,
     fingers: Mapping[str, FingerResult],
@@ -76,7 +51,7 @@ def validity_of(
     curves: Sequence[CurveResult],
     *,
     repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
-) -> list[Validity]:
+) -> list[ValidityRecord]:
     """Check Hertz theory for each finger at each angle.
 
     The model's discrepancy is estimated from all fingers and angles at which there are two ways to a result,
@@ -92,18 +67,16 @@ def validity_of(
                 found
                 for one, all_of_one in zip(summaries, checks, strict=True)
                 for found in all_of_one
-                if one.synthetic == synthetic and found.name == route
+                if one.synthetic == synthetic and found.check == route
             )
             for name, route in ROUTES.items()
         }
         for synthetic in (False, True)
     }
+    of_layers = [judge_together(tuple(layer_checks(case, curves))) for case in cases]
     return [
-        replace(
-            _validity(case, found, routes[case.summary.synthetic]),
-            layer_checks=judge_together(tuple(layer_checks(case, curves))),
-        )
-        for case, found in zip(cases, checks, strict=True)
+        _validity(case, found, routes[case.summary.synthetic], of_layer)
+        for case, found, of_layer in zip(cases, checks, of_layers, strict=True)
     ]
 
 
@@ -124,7 +97,12 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
     return model_discrepancy(*np.transpose(pairs)) if pairs else None
 
 
-def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
+def _validity(
+    case: FingerAtAngle,
+    checks: Sequence[ValidityCheck],
+    routes: Discrepancies,
+    of_layer: Sequence[ValidityCheck],
+) -> ValidityRecord:
     """Return the checks of a place with the headlines that they concern."""
     over_loads = _change_over_loads(case, checks)
     headlines = {}
@@ -145,13 +123,21 @@ def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Di
             total_std=math.hypot(std, value * relative) if parts else std,
             model_relative_std=relative,
             model_from=" and ".join(words) or _NOT_ESTIMATED,
-            verdict=overall_verdict(one.verdict for one in checks if name in one.quantities),
+            verdict=overall_verdict(one.verdict for one in checks if name in one.headlines),
         )
-    return Validity(
-        checks=checks,
-        headlines=headlines,
+    worst = overall_verdict(one.verdict for one in checks)
+    on_layer = LayerValidityRecord(
+        verdict=overall_verdict(one.verdict for one in of_layer), checks=list(of_layer)
+    )
+    return ValidityRecord(
+        model="Hertz theory",
+        # An exponent alone, of a finger without semi-axes, tests no theory.
+        verdict=NOT_TESTED if worst == HOLDS and not case.highest else worst,
         observation=case.highest.observation if case.highest else "",
-        load=case.highest.load if case.highest else math.nan,
+        load_N=case.highest.load if case.highest else math.nan,
+        headlines=headlines,
+        checks=list(checks),
+        on_layer=on_layer if of_layer else None,
     )
 
 
@@ -165,7 +151,7 @@ def _result(case: FingerAtAngle, name: str) -> tuple[float, float]:
 
 def _change_over_loads(case: FingerAtAngle, checks: Iterable[ValidityCheck]) -> float:
     """Return the standard deviation of ln E that its trend over loads makes; NaN at one load."""
-    (growth,) = (one for one in checks if one.name == GROWTH)
+    (growth,) = (one for one in checks if one.check == GROWTH)
     if math.isnan(growth.value):
         return math.nan
     excess = growth.difference**2 - growth.value_std**2
@@ -173,7 +159,7 @@ def _change_over_loads(case: FingerAtAngle, checks: Iterable[ValidityCheck]) -> 
 
 
 def with_verdicts(
-    table: pd.DataFrame, summaries: Iterable[Summary], validities: Iterable[Validity]
+    table: pd.DataFrame, summaries: Iterable[Summary], validities: Iterable[ValidityRecord]
 ) -> pd.DataFrame:
     """Return the table with the columns of the verdict, of what the model adds, and of the total."""
     stds = [f"{name}_{part}_std" for name in HEADLINES for part in ("model", "total")]
