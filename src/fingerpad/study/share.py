@@ -59,11 +59,7 @@ class Bundle:
 
     @classmethod
     def of(cls, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> Self:
-        """List the files of a study.
-
-        Files and folders of frames that are `named` by the study are in the ZIP even if they are hidden or
-        behind links; `sheet` is the spreadsheet of observations.
-        """
+        """List the files of a study; those that it has `named` also if hidden or behind links."""
         bundle = cls()
         for name in _DOCUMENTS:
             if (folder / name).is_file():

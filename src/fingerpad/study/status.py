@@ -90,10 +90,7 @@ def study_status(manifest: Path, out: Path) -> Status:
 
 
 def item_states(items: StudyItems) -> dict[str, str]:
-    """Return the state of each photograph, loading curve, observation and sequence, as `Status` counts them.
-
-    The files of an item that is not in the store are not read.
-    """
+    """Return the state of each item, as `Status` counts them; of unknown ones no file is read."""
     store = items.context.store
     statuses = {} if store is None else store.statuses()
 
@@ -105,11 +102,7 @@ def item_states(items: StudyItems) -> dict[str, str]:
 
 
 def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRecord | None) -> str:
-    """Return the state of a finger's semi-axes in the results of the last run, by what they say of it.
-
-    ``given``, also where there is nothing to measure, or as `Status` counts items: ``stale`` also where a
-    photograph was added, removed or rejected.
-    """
+    """Return the state of semi-axes in the results of the last run: ``given``, or one as of items."""
     if finger.semi_axes_mm is not None or not finger.photographs:
         return "given"
     if record is None:

@@ -64,10 +64,7 @@ class InterpolatedCorrection(ContactCorrection):
 def frame_corrections(
     active_corrections: Mapping[str, ActiveCorrection], sequence: str, within: range | None = None
 ) -> dict[int, ActiveCorrection]:
-    """Return the active corrections of a sequence's frames, by number.
-
-    Between key frames, all or those `within` a range take a carried ellipse, unless they were corrected.
-    """
+    """Return the active corrections by frame; between key frames, all or those `within`, the carried ones."""
     frames = frames_of(active_corrections, sequence)
     found = dict(frames)
     for first, last in _key_frame_pairs(frames):
@@ -81,10 +78,7 @@ def frame_corrections(
 
 
 def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: str) -> list[Any]:
-    """Return all that `frame_corrections` edits depend on, without carrying an ellipse, as JSON.
-
-    Edits by frame, pairs of key frames, and the frames between them that only have a verdict.
-    """
+    """Return all that the edits of `frame_corrections` depend on, as JSON."""
     frames = frames_of(active_corrections, sequence)
     edits = {frame: edits for frame, one in sorted(frames.items()) if (edits := one.change.edits)}
     pairs = _key_frame_pairs(frames)

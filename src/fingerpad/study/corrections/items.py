@@ -195,10 +195,7 @@ def line_of(record: Record) -> bytes:
 
 
 def record_of(line: bytes) -> Record | None:
-    """Return the record that a line holds, None where it holds none.
-
-    ValueError says that it was changed after it was written; one without a checksum was written manually.
-    """
+    """Return the record of a line, None if it is none; ValueError where it was changed since."""
     try:
         content = json.loads(line)
         checksum = content.pop("checksum", None)
@@ -253,10 +250,7 @@ def named_kind(item: str, study: Study) -> ItemKind | None:
 
 
 def image_of(item: str, study: Study) -> str | None:
-    """Return the file of an item's picture, or of the force whose phases it is.
-
-    None where it has none of its own, as a frame of a sequence.
-    """
+    """Return the file of an item's picture, or of the force whose phases it is; None of a frame."""
     kind, name, part = parts_of_item(item)
     if kind == "photograph":
         return part
@@ -322,9 +316,6 @@ def similar_images(item: str, study: Study) -> list[str]:
 
 
 def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings where that has them, without a verdict.
-
-    What was drawn on its own image stays.
-    """
+    """Return a correction with another one's settings and without a verdict; what was drawn stays."""
     settings = {name: value for name in SHARED_SETTINGS if (value := getattr(source, name)) is not None}
     return target.model_copy(update={**settings, "accepted": False, "rejected": None})

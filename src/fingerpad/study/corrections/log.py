@@ -37,10 +37,7 @@ _MOST_NAME: Final = 200
 
 
 class CorrectionLog:
-    """The corrections of a study folder, as far as they are written.
-
-    It reads what others add as it goes, and only that. Any number of processes and threads may write.
-    """
+    """The corrections of a study folder, to which any process and thread may write meanwhile."""
 
     def __init__(self, folder: Path, name: str = CORRECTIONS_NAME) -> None:
         self._path = folder / name
@@ -168,11 +165,7 @@ class CorrectionLog:
         shape: tuple[int, int] | None = None,
         picture: str | None = None,
     ) -> Record:
-        """Keep a change; once this returns, it is on the disk.
-
-        `expected` is `History.last_id` as the person last saw it. Of a picture of this `shape` what is drawn
-        must touch some. `picture` is `picture_digest` where that is known already.
-        """
+        """Keep a change on the disk; `expected` is `History.last_id` as the person saw it."""
         kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()
         checked = checked_change(model_of(item), content, item)

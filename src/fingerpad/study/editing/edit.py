@@ -152,10 +152,7 @@ class StudyFiles:
     """The documents of a study while they are changed."""
 
     def __init__(self, folder: Path, kept: Collection[str] | None, before: LoadedStudy | None = None) -> None:
-        """Read the tables of lists that are named, None for all.
-
-        `before` is the study as it was read last, which is not read again if its files are the same.
-        """
+        """Read tables of lists by name, None for all; `before` is not read again if it is unchanged."""
         self.folder = folder
         self.before = before if before is not None and is_as_read(before) else load_study(folder / STUDY_NAME)
         text = read_text_or_none(folder / STUDY_NAME) or ""
@@ -175,10 +172,7 @@ class StudyFiles:
         return {STUDY_NAME: unfolded(tomlkit.dumps(self.manifest), self._left_out), **sheet}
 
     def write(self) -> LoadedStudy:
-        """Put the changed files in place of the old ones, all or none, and return the study after it.
-
-        Nothing is written if what was complete would be wrong.
-        """
+        """Put the changed files in place, all or none; none where what was complete would be wrong."""
         changed = {name: text for name, text in self._written().items() if text != self._texts[name]}
         if not changed:
             return self.before

@@ -221,10 +221,7 @@ def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> 
 
 
 def written_scale(words: str, scales: Collection[str]) -> str:
-    """Return a scale as a person writes it, in the one way in which it is kept.
-
-    A number alone from 72 on is the resolution of a scanner.
-    """
+    """Return a scale as it is kept of what a person writes; a number alone from 72 on is a resolution."""
     if words in scales:
         return words
     try:

@@ -22,10 +22,7 @@ SCHEMA_NAME = "study.schema.json"
 
 
 def write_template(folder: Path) -> Path:
-    """Write ``study.toml`` and its JSON schema into a folder and return the manifest's path.
-
-    Editors that know TOML schemas complete keys and mark errors by the ``#:schema`` line.
-    """
+    """Write ``study.toml`` and its JSON schema into a folder and return the manifest's path."""
     template = files("fingerpad.study.editing").joinpath("template.toml").read_text(encoding="utf-8")
     return write_manifest(folder, template)
 

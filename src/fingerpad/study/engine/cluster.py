@@ -91,10 +91,7 @@ _LEAVE_INTERRUPTS: Final = "import signal\nsignal.signal(signal.SIGINT, signal.S
 def cluster_executor(
     manifest: Path, workers: int, scheduler: str, limits: Limits
 ) -> Iterator[ClusterExecutor]:
-    """Provide the workers of a scheduler as an executor; ``local`` starts one here with so many workers.
-
-    Each worker sees the folder of the manifest under the same path.
-    """
+    """Provide the workers of a scheduler as an executor; ``local`` starts one here with so many."""
     if scheduler != "local" and not _ADDRESS.fullmatch(scheduler):
         raise ClusterError(
             f"--scheduler takes an address, as in tcp://host:8786, or local; found {scheduler!r}"

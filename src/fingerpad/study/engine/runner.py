@@ -143,10 +143,7 @@ def records_of(
     folder: Path,
     on_done: Callable[[Task], None] = lambda _: None,
 ) -> dict[str, Record]:
-    """Return the records of tasks by their names, in order; those that the store lacks are performed.
-
-    Tasks are asked for as they can be performed: no more of them than that are held.
-    """
+    """Return the records of tasks, asked for as they can be performed, by name; the store's, or performed."""
     names: list[str] = []
     records: dict[str, Record] = {}
 

@@ -214,10 +214,7 @@ class Store:
     def statuses(
         self, tasks: Iterable[str] | None = None, *, only_drawn: bool = False
     ) -> dict[str, TaskStatus]:
-        """Return what is known of tasks by their names, without the results themselves.
-
-        Of all tasks, of some, or of those that have drawn files.
-        """
+        """Return what is known of all tasks, of some, or of those with drawn files, without their results."""
         query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
         ask = self._connection.execute
         with _plain_errors(self.path):
@@ -268,10 +265,7 @@ class Store:
                 self._connection.executemany("DELETE FROM result WHERE task = ?", [(task,) for task in tasks])
 
     def put(self, task: str, key: str, result: TaskResult, *, count: int) -> None:
-        """Store a result, in place of what the task had before; one with a ``reason`` failed.
-
-        `count` is the number of pictures or frames that it dealt with.
-        """
+        """Store a result of so many pictures or frames; one with a ``reason`` failed."""
         drawn = {name: self._put_drawn(name, content) for name, content in result.drawn.items()}
         row = (
             task,
@@ -324,10 +318,7 @@ class Store:
         return self.folder / DRAWN_NAME / f"{digest}{Path(name).suffix}"
 
     def keep_drawn(self, placed: Mapping[str, str]) -> None:
-        """Keep of all drawn files those that are in place, and no result whose files are not.
-
-        `placed` has the digests of the files of the results, by name.
-        """
+        """Keep of drawn files those in place, by name and digest, and no result whose files are not."""
         self.discard(
             [
                 task
@@ -338,10 +329,7 @@ class Store:
         shutil.rmtree(self.folder / DRAWN_NAME, ignore_errors=True)
 
     def digest(self, path: Path) -> str:
-        """Return the SHA-256 of a file, or of the names and bytes of a folder's files; empty without any.
-
-        The bytes are read again only when size, times or inode have changed.
-        """
+        """Return the SHA-256 of a file or of a folder's files, read only where changed; empty without any."""
         name, stamp = str(path), content_stamp(path)
         query = "SELECT path, stamp, digest, checksum FROM input WHERE path = ? AND stamp = ?"
         with _plain_errors(self.path):

@@ -71,10 +71,7 @@ class TaskResult(NamedTuple):
 
 
 def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
-    """Do the work of a task. Whatever goes wrong fails this task only, and becomes its reason.
-
-    Files are drawn into a temporary folder; the one process that writes results stores them.
-    """
+    """Do the work of a task; whatever goes wrong fails this task only, and becomes its reason."""
     start = perf_counter()
     stopped_by = None
     with TemporaryDirectory(prefix="fingerpad-") as drawing:

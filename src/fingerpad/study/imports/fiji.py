@@ -40,11 +40,7 @@ def is_roi_file(path: Path) -> bool:
 
 
 def read_results_table(path: Path) -> list[MeasuredEllipse]:
-    """Read the fitted ellipses of a Results table, in its own unit.
-
-    Cells may be separated by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
-    *Summarize* appends are left out.
-    """
+    """Read the fitted ellipses of a Results table, in its own unit, without rows that *Summarize* appends."""
     table = read_table(path, ManifestError)
     missing = [name for name in ("Major", "Minor") if name not in table.header]
     if missing:

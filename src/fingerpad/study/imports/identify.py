@@ -173,11 +173,7 @@ def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> File
 
 
 def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
-    """Join the rows of a spreadsheet to files by their names.
-
-    Case, folders and characters that are neither letters nor digits do not matter, nor does a suffix where
-    only one file has the rest of the name.
-    """
+    """Join rows to files by name: case, folders, punctuation, and a suffix where one fits, do not matter."""
     files = list(files)
     whole, stems = _by(files, with_suffix=True), _by(files, with_suffix=False)
     owners: dict[str, list[FileRow]] = {}

@@ -157,10 +157,7 @@ class TableChecks:
         return replace(table, content=content, faults=faults, model=model, complete=complete)
 
     def _with_shared_keys(self, model: AnyModel) -> AnyModel:
-        """Return a model that takes half of the memory: its keys, and the set of those stated, are shared.
-
-        Of attributes that are set one by one Python keeps the names once for all objects of a type.
-        """
+        """Return a model that takes half of the memory: its keys, and the set of those stated, are shared."""
         compact, stated = type(model).__new__(type(model)), frozenset(model.model_fields_set)
         attributes = {
             **dict(model),

@@ -27,10 +27,7 @@ class Fault(NamedTuple):
 
 
 def checked(kind: TypeAdapter[Any], content: Any, *, strict: bool) -> tuple[Any, tuple[Fault, ...]]:
-    """Return a table as `kind`, or None and what is wrong with it.
-
-    Cells of a spreadsheet are text and cannot be taken strictly.
-    """
+    """Return a table as `kind`, or None and its faults; cells of text cannot be taken strictly."""
     try:
         return kind.validate_python(content, strict=strict), ()
     except ValidationError as error:

@@ -81,10 +81,7 @@ class Sheet:
         return csv_text([self._titles, *(cells for _, cells in self._rows)], self._separator)
 
     def tables(self) -> Iterator[tuple[int, dict[str, Any], tuple[Fault, ...]]]:
-        """Yield the line of each row, its cells as the table of an observation, and what is wrong with it.
-
-        A row is forgotten with it: the cells of all would take as much as the study that they make.
-        """
+        """Yield line, table and faults of each row, and forget it: cells take as much as their study."""
         rows, self._rows = deque(self._rows), []
         while rows:
             line, cells = rows.popleft()
@@ -177,10 +174,7 @@ class Sheet:
 
 
 def _key_and_factor(title: str) -> tuple[str, float]:
-    """Return the key that a header means, as load_N by "Load (mN)", and the factor on cells in its unit.
-
-    Other headers are kept as they are.
-    """
+    """Return the key of a header, as load_N of "Load (mN)", or the header, and the factor on its cells."""
     word, unit, _ = header_parts(title)
     if word == "load" and unit in FACTORS["force"]:
         return "load_N", FACTORS["force"][unit]

@@ -28,10 +28,7 @@ from fingerpad.study.measuring.scales import FoundScale, require_scale
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
-    """What was seen of one contact, from the image to the table of results.
-
-    Fields that are columns of the results are named as there, and mean the same.
-    """
+    """What was seen of one contact, from image to table; fields that are columns are named as these."""
 
     observation: str = ""
     load_N: float = np.nan  # noqa: N815 (the unit's own letter)
@@ -226,10 +223,7 @@ _REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 
 def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool = True) -> frozenset[str]:
-    """Return the flags of a measured contact, and the range note, that keep it out of pooled results.
-
-    A seed, mask or region of interest says which of several patches is meant.
-    """
+    """Return the flags of a contact, and the range note, that keep it out of pooled results."""
     excluding = NEVER_POOLED
     if measured.reviewed not in _REVIEWED:
         chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))

@@ -43,10 +43,7 @@ _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shape:
-    """E* from area over E* from indentation that the true ellipsoid makes, against load (N).
-
-    `geometric_mean_radius`, mm, is that of the pad where it touches.
-    """
+    """E* from area over E* from indentation that the true ellipsoid makes, against load (N); radius in mm."""
 
     geometric_mean_radius: float
     load: FloatArray
@@ -129,10 +126,7 @@ class CurveItem(OneTaskItem[Curve]):
 
 
 def curve_names(study: Study) -> list[str | None]:
-    """Return the name of each curve as an item: finger and file, numbered from the second time on.
-
-    None for one without a file, of which nothing is measured.
-    """
+    """Return the name of each curve as an item, finger and file; None for one without a file."""
     seen: Counter[str] = Counter()
 
     def name(curve: Curve) -> str | None:

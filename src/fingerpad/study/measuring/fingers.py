@@ -102,10 +102,7 @@ class FingerResult:
         return bool(np.isfinite(self.semi_axes).all())
 
     def outline_radius(self, wedge_deg: float) -> tuple[float, float]:
-        """Return the radius along the finger where a wedge touches, from side faces' outlines alone.
-
-        Their mean by uncertainty and its standard uncertainty, mm; NaN where none shows the place.
-        """
+        """Return the radius along the finger by the outlines of side faces, and its std, mm; NaN without."""
         found = np.array([_interpolated(radii, wedge_deg) for radii in self.outline_radii]).reshape(-1, 2)
         found = found[np.isfinite(found).all(axis=1)]
         if not len(found):
@@ -115,11 +112,7 @@ class FingerResult:
         return radius, radius / float(np.sqrt(relative.sum()))
 
     def shape_deviation(self, wedge_deg: float, roll_deg: float) -> tuple[float, float, float]:
-        """Return how far the pad's radii of curvature lie from the ellipsoid's where a wedge touches.
-
-        Deviation of the logarithm of the radius along the finger and its standard uncertainty, and that of
-        the radius across, which no outline shows; zero for semi-axes that were given.
-        """
+        """Return how far ln of the radius along lies from the ellipsoid's, its std, and that across."""
         if self.source == "given":
             return 0.0, 0.0, 0.0
         if roll_deg != 0 or not self.outline_radii:

@@ -52,10 +52,7 @@ class OperatorPair:
 
 
 def blind_order(names: Sequence[str]) -> list[str]:
-    """Return names in a random order that is the same on every machine.
-
-    The first few of them are a random sample, and the first few more a larger one.
-    """
+    """Return names in a random order, the same everywhere, whose first few are a random sample."""
     return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
 

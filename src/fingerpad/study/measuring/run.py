@@ -192,10 +192,7 @@ def measure_study(
 def _progress_of(
     items: StudyItems, store: Store, limits: Limits, statuses: dict[str, TaskStatus]
 ) -> tuple[Progress, set[str]]:
-    """Return how far a study is before anything is measured, and the items that are done.
-
-    Their statuses are removed: those of all items take as much memory as the items.
-    """
+    """Return the progress before a run, and the items done; their statuses are removed, to save memory."""
     pictures = failed = total = 0
     done = set()
     for item in items:

@@ -106,11 +106,7 @@ class FrameOverlay(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SequenceImages:
-    """The pictures of a sequence.
-
-    Each method is the work of a task: it takes the study folder and one to draw into, and returns plain
-    values. A piece is its first frame and the one after its last.
-    """
+    """The pictures of a sequence; methods are the work of tasks, on pieces from a frame to before another."""
 
     sequence: ContactSequence
     found: FoundScale  # which all its frames share
@@ -317,10 +313,7 @@ class OpenedSequence:
         return [(start, min(start + length, count)) for start in range(0, count, length)]
 
     def stages(self, key: str) -> Iterator[list[Task]]:
-        """Yield the tasks of each stage; the last has the key of the sequence.
-
-        One stage's results must be in the store before the next is asked for.
-        """
+        """Yield the tasks of each stage, which needs the results of the one before in the store."""
         images = self.sequence_images
         yield [self._task("survey", partial(images.scan, piece), piece) for piece in self.pieces]
         surveyed = TextureScan.joined(

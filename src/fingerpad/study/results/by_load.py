@@ -97,11 +97,7 @@ def pool_by_load(
     scatter: Sequence[StudyScatter] = (),
     validities: Mapping[PlacementKey, ValidityRecord] = MappingProxyType({}),
 ) -> list[AtLoadRecord]:
-    """Pool the contacts that count, for each finger, placement and nominal load.
-
-    Frames of sequences are left out. `repeatability` is by whether contacts are synthetic; `validities` is by
-    the values of `PLACEMENT`: not tested where one is missing.
-    """
+    """Pool the contacts that count for each finger, placement and nominal load; frames are left out."""
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
     counts = rows.table["pooled"] & rows.table["frame"].isna()
     table = rows.table[list(_COLUMNS)]

@@ -197,10 +197,7 @@ class CurveOnLayer:
 
 
 def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayer | None:
-    """Return what a loading curve tells of a finger on its layer of tissue.
-
-    None without a thickness, semi-axes, or a fitted place of contact.
-    """
+    """Return a loading curve on its finger's layer; None without thickness, semi-axes or a fit."""
     offset = curve.fit.contact_offset if curve.fit else None
     if (
         curve.fit is None

@@ -182,11 +182,7 @@ def measured_pad(
     thickness_mm: float | None = None,
     poisson_ratio: float = 0.5,
 ) -> MeasuredPad:
-    """Return a finger of a finished run at one angle of the wedge.
-
-    E and thickness are those that a loading curve gives; without one, or with a thickness stated, E is that
-    with which the whole pad has the contact area seen at the highest load.
-    """
+    """Return a finger at one angle, with E of a loading curve, or of the area at the highest load."""
     require_result_set(folder)
     summary = SummaryFile.read(folder)
     found = _placed(summary, folder, finger, wedge_deg)
@@ -345,10 +341,7 @@ def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
 
 
 def _matlab_column(column: Column, values: pd.Series) -> ColumnArray:
-    """Return a column as MATLAB has it: doubles, logicals, or a character matrix with one line for each row.
-
-    A cell array would take a hundred times as long to write and read; ``cellstr`` makes one.
-    """
+    """Return doubles, logicals, or a character matrix: cells would take a hundred times as long."""
     if column.dtype == "text":
         return np.array([word or " " for word in values], dtype=np.str_)
     numbers = values.to_numpy(bool if column.dtype == "bool" else float, na_value=np.nan)

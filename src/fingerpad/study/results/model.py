@@ -74,10 +74,7 @@ class Modelled:
 
     @classmethod
     def of(cls, inputs: Inputs, given: Uncertainty) -> Self:
-        """Apply the model to some contacts, a thousand at most: its derivatives are far larger than that.
-
-        `given` states the method, and which errors the study shares.
-        """
+        """Apply the model to a thousand contacts at most: its derivatives are far larger than that."""
         finite: BoolArray = np.asarray(
             np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
         )
@@ -216,11 +213,7 @@ def parts_of(propagated: Propagated, outputs: Sequence[str], given: Uncertainty)
 
 
 def _root_by_source(inputs: Inputs) -> FloatArray:
-    """Return F with F Fᵀ = covariance, each column of which belongs to one input.
-
-    Inputs of different sources do not correlate, but for the semi-axes where their photographs share the
-    contact's scale: that part belongs to the scale.
-    """
+    """Return F with F Fᵀ = covariance, each column of one input; the scale has what axes share with it."""
     covariance = inputs.covariance
     (scale,) = inputs.places(["image_scale"])
     root = np.zeros_like(covariance)

@@ -38,12 +38,7 @@ from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
 def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -> None:
-    """Write the tables of a run into `out`.
-
-    They are ``results.csv``, ``results_columns.csv``, ``results.json``, ``by_load.csv``,
-    ``repeatability.csv``, ``summary.json`` and, where a second person outlined images,
-    ``second_operator.csv``.
-    """
+    """Write the tables of a run into `out`: of rows, loads, repeats and persons, and the summary."""
     try:
         names = tuple(COLUMNS) if all_columns else DEFAULT_COLUMNS
         write_rows(result.rows, names, out / "results.csv", out / "results.json")

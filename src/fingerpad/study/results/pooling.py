@@ -87,11 +87,7 @@ class PressSlope(NamedTuple):
 
     @classmethod
     def of(cls, load: FloatArray, area: FloatArray, own: FloatArray, item: Indices) -> Self | None:
-        """Return the slope over the presses of four frames or more under different loads; None without any.
-
-        `load` and `area` are logarithms, `own` the standard uncertainties of `area` that no other press
-        shares.
-        """
+        """Return the slope of ln area on ln load over presses of four frames or more; None without any."""
         weights, found = np.zeros(load.size), []
         for each in np.flatnonzero(np.bincount(item) >= _LEAST_FRAMES):
             of = np.flatnonzero(item == each)
@@ -270,10 +266,7 @@ def mean_within(estimate: Indices, own_std: FloatArray) -> Callable[[FloatArray]
 
 
 def shared_errors(parts: FloatArray, sources: Sequence[str], scales: Iterable[str | None]) -> SharedErrors:
-    """Return the errors that estimates share: of the placement all, of scale and edge those of one scale.
-
-    Images that name no scale have one each, but are taken to be of one device, whose edge they share.
-    """
+    """Return what estimates share: of the placement all, of scale and edge those of one scale or device."""
     scales = list(scales)
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     groups = {"image scale": scale, "contact edge": numbered(scales)}

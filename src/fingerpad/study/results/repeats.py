@@ -104,11 +104,7 @@ class ContactRepeatability:
 
     @classmethod
     def of(cls, axes: ArrayLike, noise: ArrayLike, group: ArrayLike) -> Self:
-        """Return that of contacts of known noise.
-
-        `axes` are ln √(ℓd ℓe) and ln(ℓd/ℓe), shape (n, 2), `noise` their covariance from the image's own
-        noise, `group` what each is a repeat of.
-        """
+        """Return that of ln √(ℓd ℓe) and ln(ℓd/ℓe), shape (n, 2), of known noise, by `group` of repeats."""
         axes = as_float_array(axes)
         _, place, size = np.unique(group, return_inverse=True, return_counts=True)
         freedom = len(axes) - size.size
@@ -208,10 +204,7 @@ class StudyScatter:
 
 
 def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
-    """Return the scatter of each quantity over the contacts that count, real and synthetic ones apart.
-
-    The frames of a sequence show one impression: they repeat nothing, and are left out.
-    """
+    """Return the scatter of each quantity over the contacts that count; frames repeat nothing."""
     # Not all columns: a copy of them is as large as everything else that a run holds.
     rows = table[["finger", "session", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
     rows = rows[table["pooled"] & table["frame"].isna()]
@@ -248,10 +241,7 @@ def _scatter(
 
 
 def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
-    """Return one of `SCATTER_OF` for some rows; the area is the ellipse's where no image has given it.
-
-    A ridge area that is an upper bound is left out.
-    """
+    """Return one of `SCATTER_OF`; without an image the area is the ellipse's. NaN is unknown."""
     if quantity == "contact_area":
         gross = rows["gross_area_mm2"].to_numpy()
         ellipse = np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()

@@ -53,10 +53,7 @@ def results_folder(manifest: Path) -> Path:
 
 
 class NewResultSet:
-    """A result set that is being written.
-
-    `folder`: Where its files are written.
-    """
+    """A result set that is being written into `folder`."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -85,10 +82,7 @@ class NewResultSet:
 
 @contextmanager
 def new_result_set(store: Store) -> Iterator[NewResultSet]:
-    """Provide an empty folder for the files of a run, and put them in place in the end.
-
-    If anything is raised meanwhile, the old result set stays as it is.
-    """
+    """Provide a folder for a run's files, which are put in place in the end unless anything is raised."""
     out = store.folder
     new = out / _NEW
     try:

@@ -92,10 +92,7 @@ def model_contacts(
     seen: Iterable[tuple[Contact, Measurement]],
     repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
 ) -> Rows:
-    """Turn measurements into rows: placement, model and uncertainty.
-
-    What was seen is gone through once, in the manifest's order, and no more than a batch is held.
-    """
+    """Turn measurements into rows: placement, model and uncertainty; no more than a batch is held."""
     stream, capacity = iter(seen), length_hint(seen)
     pooled = GrowingArray(np.empty(0, dtype=np.intp), capacity)
     parts = Parts(POOLED_OUTPUTS, PART_SOURCES, capacity)

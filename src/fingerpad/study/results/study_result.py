@@ -173,10 +173,7 @@ class StudyResult(Displayed):
 
     @property
     def failed_contacts(self) -> list[tuple[str, str]]:
-        """Names of contacts that failed, with the reason.
-
-        The frames of a sequence, and contacts that failed for a scale or a finger, stand in one line.
-        """
+        """Contacts that failed, with the reason: one line for those of a sequence, scale or finger."""
         failed = self.rows[self.rows["status"] == "failed"]
         shared = failed["reason"].isin(self._shared_reasons)
         lines = [

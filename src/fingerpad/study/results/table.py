@@ -94,10 +94,7 @@ def table_of(
     read_only: bool = False,
     capacity: int = 0,
 ) -> pd.DataFrame:
-    """Return a table of batches of rows, given by column; a column that is not given is not known.
-
-    One that is read only takes half of the memory in most studies: what all rows share is held once.
-    """
+    """Return a table of batches by column; one that is read only holds once what all rows share."""
     size, words = 0, dict[str | None, str | None]()
     growing = {name: GrowingArray(column.unknown(0), capacity) for name, column in COLUMNS.items()}
     for batch in batches:

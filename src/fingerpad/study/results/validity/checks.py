@@ -56,10 +56,7 @@ _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
 class _Areas(NamedTuple):
-    """Logarithms of loads and areas, ascending, their own uncertainties, and what edges add to each area.
-
-    `item` numbers contacts and sequences, whose frames are not independent.
-    """
+    """Logarithms of loads, ascending, and of areas, their uncertainties, and of which item each is."""
 
     load: FloatArray
     area: FloatArray
@@ -131,10 +128,7 @@ def _slope_of_contacts(seen: _Areas) -> tuple[float, FloatArray, float, bool, fl
 
 
 def _largest_fall(seen: _Areas) -> ValidityCheck:
-    """Return the most significant fall of the area from a lower load to a higher one.
-
-    Its p is that of the largest of so many pairs. Repeats at one load that scatter more than stated widen it.
-    """
+    """Return the most significant fall of the area over loads; p of the largest of so many pairs."""
     seen = _by_level(seen)
     lower, upper = np.triu_indices(seen.load.size, 1)
     shared = sum((edge[lower] - edge[upper]) ** 2 for edge in seen.edges)
@@ -222,10 +216,7 @@ _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
 
 class Shape(NamedTuple):
-    """ln of the length along the finger over that across, measured and of Hertz theory for the pad.
-
-    Where the direction is not `known`, `measured` is that of the aspect ratio.
-    """
+    """ln of the length along the finger over that across; of the aspect ratio where it is not `known`."""
 
     measured: float
     std: float

@@ -139,10 +139,7 @@ class ValidityCheck(CheckRecord):
         )
 
     def judged(self, p_value: float | None = None) -> Self:
-        """Return the check with the verdict by its probability, or by one that allows for others beside it.
-
-        Whether its uncertainty would hide a difference is its own matter, whatever stands beside it.
-        """
+        """Return the check with the verdict by its p, or by one that allows for others beside it."""
         if math.isnan(self.p_value):
             return self
         p_value = self.p_value if p_value is None else p_value

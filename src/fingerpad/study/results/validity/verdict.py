@@ -52,11 +52,7 @@ def validity_of(
     *,
     repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
 ) -> list[ValidityRecord]:
-    """Check Hertz theory for each finger at each angle.
-
-    The model's discrepancy is estimated from all fingers and angles at which there are two ways to a result,
-    real and synthetic ones apart.
-    """
+    """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
     cases = [
         FingerAtAngle.of(study, fingers, rows, one, curves, repeatability=repeatability) for one in summaries
     ]
