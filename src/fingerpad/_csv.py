@@ -4,6 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable
+from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Final, Literal
@@ -42,6 +43,11 @@ def csv_cell(value: object) -> str:
     if isinstance(value, list | tuple) and not any(isinstance(item, list | tuple) for item in value):
         return ", ".join(map(csv_cell, value))
     raise TypeError(f"a CSV cell cannot hold a {type(value).__name__}")
+
+
+def packaged_lines(package: str, file: str) -> list[dict[str, str]]:
+    """Return the lines of a table that belongs to the package, by its header."""
+    return list(csv.DictReader(files(package).joinpath(file).read_text(encoding="utf-8").splitlines()))
 
 
 def write_csv(path: Path, rows: Iterable[Iterable[object]], mode: Literal["w", "x"] = "w") -> None:

@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from fingerpad._csv import write_csv
+from fingerpad._csv import packaged_lines, write_csv
 from fingerpad._display import Displayed
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
@@ -74,30 +74,12 @@ class Quantity(NamedTuple):
     symbol: str  # as Matplotlib's mathtext
     unit: str  # its unit, empty for a pure number
     words: str
-    positive: bool = True  # and known in proportion to its size
+    positive: bool  # and known in proportion to its size
 
 
 QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "palmar_mm": Quantity(r"$\ell_\mathrm{a}$", "mm", "palmar semi-axis"),
-    "distal_mm": Quantity(r"$\ell_\mathrm{b}$", "mm", "distal semi-axis"),
-    "radial_ulnar_mm": Quantity(r"$\ell_\mathrm{c}$", "mm", "radial–ulnar semi-axis"),
-    "mean_curvature_radius_mm": Quantity(r"$R_\mathrm{0g}$", "mm", "radius of the undeformed pad, 1/H"),
-    "radius_from_indentation_mm": Quantity(
-        r"$R_\mathrm{g}^\mathrm{corr}$", "mm", "corrected radius, pooled over contacts"
-    ),
-    "highest_area_mm2": Quantity("$A$", "mm²", "contact area at the highest load, averaged at one load"),
-    "youngs_modulus_kpa": Quantity("$E$", "kPa", "Young's modulus by Hertz theory, at the highest load"),
-    "youngs_modulus_on_layer_kpa": Quantity(
-        r"$E_\mathrm{layer}$",
-        "kPa",
-        "Young's modulus on tissue of the stated thickness over bone, from the same contact",
-    ),
-    "initial_modulus_kpa": Quantity(
-        r"$E_\mathrm{0g}$", "kPa", "Young's modulus at small load, from loading curves"
-    ),
-    "load_exponent": Quantity("$m$", "", "exponent of W ∝ ξᵐ, from loading curves"),
-    "curve_area_exponent": Quantity("$n$", "", "exponent of A ∝ Wⁿ, from loading curves", positive=False),
-    "area_exponent": Quantity("$n$", "", "exponent of A ∝ Wⁿ, from contacts", positive=False),
+    line["quantity"]: Quantity(line["symbol"], line["unit"], line["words"], line["positive"] == "yes")
+    for line in packaged_lines("fingerpad.study", "quantities.csv")
 }
 _FROM_CURVES: Final = {
     "initial_modulus_kpa": "initial_modulus_kpa",

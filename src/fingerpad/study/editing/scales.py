@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, get_args
 
+from fingerpad._csv import packaged_lines
 from fingerpad.study.manifest.models import ScaleTable
 
 
@@ -38,25 +39,14 @@ SCALE_WAYS: Final[Mapping[str, ScaleWay]] = {
     )
     for model in get_args(ScaleTable)
 }
-COINS: Final = tuple(
-    KnownSize(size_mm=size, words=f"{words}, {size:g} mm")
-    for words, size in (
-        ("1 euro cent", 16.25),
-        ("2 euro cent", 18.75),
-        ("5 euro cent", 21.25),
-        ("10 euro cent", 19.75),
-        ("20 euro cent", 22.25),
-        ("50 euro cent", 24.25),
-        ("1 euro", 23.25),
-        ("2 euro", 25.75),
-        ("US quarter", 24.26),
-        ("UK penny", 20.3),
+# Cards are ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
+COINS, CARD = (
+    tuple(
+        KnownSize(size_mm=float(line["size_mm"]), words=f"{line['words']}, {line['size_mm']} mm")
+        for line in packaged_lines("fingerpad.study.editing", "known_sizes.csv")
+        if line["what"] == what
     )
-)
-# ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
-CARD: Final = (
-    KnownSize(size_mm=85.6, words="a bank card's long side, 85.60 mm"),
-    KnownSize(size_mm=53.98, words="a bank card's short side, 53.98 mm"),
+    for what in ("coin", "card")
 )
 _SUMMARIES: Final = {
     "line": ("length_mm", "line of {} mm"),

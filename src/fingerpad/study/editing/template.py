@@ -23,8 +23,11 @@ SCHEMA_NAME = "study.schema.json"
 
 def write_template(folder: Path) -> Path:
     """Write ``study.toml`` and its JSON schema into a folder and return the manifest's path."""
-    template = files("fingerpad.study.editing").joinpath("template.toml").read_text(encoding="utf-8")
-    return write_manifest(folder, template)
+    return write_manifest(folder, _text_of("template.toml"))
+
+
+def _text_of(file: str) -> str:
+    return files("fingerpad.study.editing").joinpath(file).read_text(encoding="utf-8")
 
 
 def write_manifest(folder: Path, text: str) -> Path:
@@ -53,6 +56,7 @@ def manifest_schema() -> str:
     return json.dumps(Study.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
+# As ``example.toml`` states them.
 _PAD: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 _FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
 _WEDGE_DEG: Final = 30
@@ -60,45 +64,12 @@ _LOADS: Final = (0.5, 1.0, 2.0)
 _TISSUE: Final = Tissue.of_reduced_modulus(0.09)
 _MM_PER_PX: Final = 0.1
 _PPI: Final = 500.0
-_HEAD: Final = f"""\
-title = "Synthetic example"
-description = "Rendered and simulated from an ellipsoid with semi-axes 7.9, 13.8 and 11.8 mm."
-
-[uncertainty]
-# The angles of a rendered finger are exact; of a real one they are known to about 3 degrees.
-wedge_angle_deg_std = 0.5
-roll_angle_deg_std = 0.5
-load_relative_std = 0.01
-
-[scales.camera]
-mm_per_px = {_MM_PER_PX}
-relative_std = 0.002
-
-[scales.reader]
-ppi = {_PPI:g}
-
-[[fingers]]
-name = "synthetic_pad"
-synthetic = true
-photographs = [
-"""
 
 
 def write_example(folder: Path) -> Path:
     """Write a small synthetic study into a new or empty folder and return its manifest's path."""
     check_new(folder)
-    faces = "".join(
-        f'    {{ face = "{face}", file = "photograph_{face}.jpg", scale = "camera", synthetic = true }},\n'
-        for face in _FACES
-    )
-    place = f'finger = "synthetic_pad"\nwedge_angle_deg = {_WEDGE_DEG}\nsynthetic = true\n'
-    contacts = "".join(
-        f'\n[[observations]]\nname = "contact_{load:g}N"\n{place}load_N = {load:g}\n'
-        f'file = "contact_{load:g}N.png"\nscale = "reader"\n'
-        for load in _LOADS
-    )
-    curve = f'\n[[curves]]\n{place}file = "loading_curve.csv"\n'
-    manifest = write_manifest(folder, f"{_HEAD}{faces}]\n{contacts}{curve}")
+    manifest = write_manifest(folder, _text_of("example.toml"))
     for seed, face in enumerate(_FACES):
         across, along = (float(getattr(_PAD, axis)) for axis in FACE_AXES[face])
         photograph = render_finger(face, semi_axes=(across, along), mm_per_px=_MM_PER_PX, seed=seed)

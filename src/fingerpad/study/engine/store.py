@@ -16,6 +16,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from functools import cache, partial
+from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
@@ -82,28 +83,6 @@ DRAWN_NAME: Final = ".drawn"
 
 # Marks the file as a store of fingerpad ("fpad").
 _APPLICATION_ID: Final = 0x66706164
-_SCHEMA: Final = f"""
-CREATE TABLE result (
-    task TEXT PRIMARY KEY,
-    key TEXT NOT NULL,
-    status TEXT NOT NULL,
-    seconds REAL NOT NULL,
-    count INTEGER NOT NULL,
-    drawn TEXT NOT NULL,
-    limits TEXT NOT NULL,
-    finished TEXT NOT NULL,
-    record TEXT NOT NULL,
-    checksum TEXT NOT NULL
-);
-CREATE TABLE input (
-    path TEXT PRIMARY KEY,
-    stamp TEXT NOT NULL,
-    digest TEXT NOT NULL,
-    checksum TEXT NOT NULL
-) WITHOUT ROWID;
-PRAGMA application_id={_APPLICATION_ID};
-PRAGMA user_version={FORMAT};
-"""
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 
@@ -166,7 +145,9 @@ class Store:
                 store = cls(path, connection, read_only=False)
                 with _plain_errors(path):
                     if is_new:
-                        connection.executescript(f"BEGIN; {_SCHEMA} COMMIT;")
+                        schema = files("fingerpad.study.engine").joinpath("store.sql").read_text()
+                        marks = f"PRAGMA application_id={_APPLICATION_ID}; PRAGMA user_version={FORMAT};"
+                        connection.executescript(f"BEGIN; {schema} {marks} COMMIT;")
                     store._require_own()
                     connection.execute("PRAGMA journal_mode=WAL")
                     # A killed process loses nothing, a power cut the last results.

@@ -131,7 +131,7 @@ def code_digest(*parts: str) -> str:
         if item.is_dir():
             for inner in sorted(item.iterdir(), key=lambda inner: inner.name):
                 add(inner)
-        elif item.name.endswith((".py", ".csv", ".jinja", ".css")):
+        elif item.name.endswith((".py", ".csv", ".css", ".jinja", ".sql", ".toml")):
             digest.update(item.name.encode() + b"\0" + item.read_bytes())
 
     for part in parts:

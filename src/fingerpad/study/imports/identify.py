@@ -24,24 +24,13 @@ from fingerpad.study.imports.names import (
     names_a_scale,
     read_file_name,
     read_value,
+    words_of,
 )
 
 _MOST_BYTES: Final = 20_000_000
 Meaning: TypeAlias = Field | Literal["file", "hand"]
 
-# Words of a header, in order of preference; other words beside them do not matter.
-_HEADERS: Final[Mapping[str, Meaning]] = {
-    **dict.fromkeys(("file", "filename", "files", "image", "picture", "photo", "img"), "file"),
-    **dict.fromkeys(("person", "subject", "participant", "volunteer", "donor"), "person"),
-    **dict.fromkeys(("finger", "digit"), "finger"),
-    "hand": "hand",
-    **dict.fromkeys(("face", "view", "aspect"), "face"),
-    **dict.fromkeys(("kind", "type", "role"), "role"),
-    **dict.fromkeys(("wedge", "angle", "theta", "θ"), "wedge"),
-    **dict.fromkeys(("load", "force", "weight"), "load"),
-    **dict.fromkeys(("scale", "ppi", "dpi", "resolution", "pitch"), "scale"),
-    **dict.fromkeys(("session", "visit"), "session"),
-}
+_HEADERS: Final[Mapping[str, Meaning]] = words_of("header")
 _SYMBOLS: Final[Mapping[str, Meaning]] = {"w": "load"}
 _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
     ("load", frozenset(FACTORS["load"])),
@@ -49,8 +38,7 @@ _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
     ("scale", frozenset(unit for name in ("mm_per_px", "px_per_mm", "ppi") for unit in FACTORS[name])),
 )
 _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
-# Of another quantity than the one stated for a file: uncertainties, rates, times.
-_OTHERS: Final = frozenset(("std", "sd", "uncertainty", "rate", "time", "speed", "roll", "size", "date"))
+_OTHERS: Final = words_of("other").keys()
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,13 @@
 
 import math
 import re
+import tomllib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Final, Literal, Self, TypeAlias, TypedDict, get_args
+from typing import Any, Final, Literal, Self, TypeAlias, TypedDict, get_args
 
 from fingerpad import units
 from fingerpad.exceptions import ManifestError
@@ -32,37 +34,17 @@ class FileValues(TypedDict, total=False):
     session: str
 
 
-HAND_WORDS: Final = {"left": "left", "right": "right", "l": "left", "r": "right"}
-DIGITS: Final = {
-    "thumb": "thumb",
-    "index": "index",
-    "forefinger": "index",
-    "middle": "middle",
-    "ring": "ring",
-    "little": "little",
-    "pinky": "little",
-    "pinkie": "little",
-}
-INITIALS: Final = {"T": "thumb", "I": "index", "M": "middle", "R": "ring", "L": "little", "P": "little"}
+def words_of(table: str) -> dict[str, Any]:
+    """Return what each word of a table of ``words.toml`` means."""
+    return {word: meaning for meaning, words in _TABLES[table].items() for word in words}
+
+
+_TABLES: Final = tomllib.loads(files("fingerpad.study.imports").joinpath("words.toml").read_text("utf-8"))
+HAND_WORDS, DIGITS, INITIALS = words_of("hand"), words_of("digit"), words_of("initial")
 FACES: Final[tuple[Face, ...]] = get_args(Face)
-_FACE_WORDS: Final[Mapping[str, Face]] = {
-    **{face: face for face in FACES},
-    "front": "palmar",
-    "pad": "palmar",
-    "volar": "palmar",
-    "tip": "distal",
-    "end": "distal",
-    "side": "radial",
-    "lateral": "radial",
-}
-_ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = {
-    **dict.fromkeys(("contact", "contacts", "observation", "print", "fingerprint"), "observation"),
-    **dict.fromkeys(("photograph", "photo", "face", "faces", "finger"), "photograph"),
-    **dict.fromkeys(("sequence", "film", "video", "movie", "stack"), "sequence"),
-    **dict.fromkeys(("curve", "loading"), "curve"),
-    "outline": "outline",
-    **dict.fromkeys(("coin", "ruler", "scale", "calibration", "force", "none", "other"), ""),
-}
+_FACE_WORDS: Final[Mapping[str, Face]] = words_of("face")
+_ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = words_of("role")
+_OF_SCALE: Final = words_of("scale").keys()
 # Factor that turns a value in the unit into the library's; grams are grams-force.
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
     "load": {
@@ -202,9 +184,6 @@ _WEDGE: Final = (
 )
 _PERSON: Final = re.compile(r"(?<![^\W_])(?:s|p|subject|participant|person)[ _-]?(\d+)(?!\d)", re.IGNORECASE)
 _CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
-_OF_SCALE: Final = frozenset(
-    ("ruler", "scale", "coin", "euro", "cent", "calibration", "card", "checkerboard", "grid")
-)
 _ROLES: Final[dict[FileKind, Role]] = {"picture": "observation", "sequence": "sequence", "table": "curve"}
 _FACE_ROLES: Final[dict[FileKind, Role]] = {"picture": "photograph", "table": "outline"}
 

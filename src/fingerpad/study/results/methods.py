@@ -12,15 +12,17 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 import fingerpad
 from fingerpad._arrays import FloatArray
+from fingerpad._csv import packaged_lines
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad._words import counted, joined
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
 from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord
-from fingerpad.study.results.table import lines_of
 
-FORMULAS: Final = {line["result"]: line["formula"] for line in lines_of("formulas.csv")}
+FORMULAS: Final = {
+    line["result"]: line["formula"] for line in packaged_lines("fingerpad.study.results", "formulas.csv")
+}
 
 
 def provenance(files: Iterable[str], digest: Callable[[str], str]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Self, TypeAlias
 
@@ -17,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from fingerpad._csv import packaged_lines
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
@@ -44,32 +44,9 @@ Triple: TypeAlias = tuple[Number, Number, Number]
 Shares: TypeAlias = dict[str, Number]
 
 # What a key tells of the one that it begins with, where it has no description of its own.
-_COMPANIONS: Final[Mapping[str, str]] = {
-    "_ci95_low": "Lower end of the 95 % interval of",
-    "_ci95_high": "Upper end of the 95 % interval of",
-    "_ci95": "95 % interval of",
-    "_noise_std": "From noise: part of the standard uncertainty of",
-    "_repeatability_std": "From the scatter of repeats: part of the standard uncertainty of",
-    "_session_std": "From differences between sessions: part of the standard uncertainty of",
-    "_edge_std": "From the place of the contact's edge: part of the standard uncertainty of",
-    "_other_std": "From all other inputs: part of the standard uncertainty of",
-    "_model_std": "From the model's discrepancy: part of the standard uncertainty of",
-    "_total_std": "Standard uncertainty, with the model's part, of",
-    "_fixed_geometry_std": "Standard uncertainty, with semi-axes and angles held exact, of",
-    "_std": "Standard uncertainty of",
-    "_verdict": "Whether the model holds for",
-    "_variance_shares": "Share of each source in the variance of",
-    "_effective_count": "Number of contacts of equal weight that would make as much of a mean:",
-    "_largest_weight": "Largest weight of a contact in",
-    "_birge_ratio": "Birge ratio of the scatter, all contacts taken to have one value, of",
-    "_same_for_all_mm": "Mean, mm, all contacts taken to have one value, of",
-    "_between_std_mm": "Standard deviation, mm, between contacts, of",
-    "_scatter_within_loads_mm": "Standard deviation, mm, of contacts under one load, of",
-    "_scatter_between_loads_mm": "Standard deviation, mm, between loads, of",
-    "_count": "Number of contacts, a sequence counting as one, in",
-}  # fmt: skip
-
-
+_COMPANIONS: Final = {
+    line["end"]: line["tells"] for line in packaged_lines("fingerpad.study.results", "companions.csv")
+}
 _UNIT: Final = re.compile(r"_(?:mm_per_s|mm2?|kpa|N|deg)(?=_|$)")
 _MISSING: Final = object()
 _UNITS: Final = {"_mm": ", mm", "_mm2": ", mm²", "_kpa": ", kPa", "_kpa_per_N": ", kPa/N"}

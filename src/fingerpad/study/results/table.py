@@ -4,16 +4,16 @@ Text is of dtype object, with None where nothing is known; the number of a frame
 and float64. Some rows of a table keep their index, which is their place in the whole.
 """
 
-import csv
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from math import nan
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+
+from fingerpad._csv import packaged_lines
 
 ColumnArray: TypeAlias = npt.NDArray[Any]
 DType: TypeAlias = Literal["text", "bool", "int", "float"]
@@ -60,12 +60,6 @@ class Column:
         return pd.Series(array, index=index, dtype=array.dtype, copy=False)
 
 
-def lines_of(file: str) -> Iterator[dict[str, str]]:
-    """Yield the lines of a table that belongs to the package, by its header."""
-    text = files("fingerpad.study.results").joinpath(file).read_text(encoding="utf-8")
-    return csv.DictReader(text.splitlines())
-
-
 # In the order of ``results.csv``: what a contact comes to stands first.
 COLUMNS: Final[Mapping[str, Column]] = {
     line["column"]: Column(
@@ -76,7 +70,7 @@ COLUMNS: Final[Mapping[str, Column]] = {
         line["group"],
         line["default"] == "yes",
     )
-    for line in lines_of("columns.csv")
+    for line in packaged_lines("fingerpad.study.results", "columns.csv")
 }
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
@@ -225,5 +219,5 @@ class Symbol:
 
 # By the symbol as plain text: a letter, then _subscript and ^superscript.
 GLOSSARY: Final[Mapping[str, Symbol]] = {
-    line.pop("symbol"): Symbol(**line) for line in lines_of("glossary.csv")
+    line.pop("symbol"): Symbol(**line) for line in packaged_lines("fingerpad.study.results", "glossary.csv")
 }
