@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from fingerpad.loading import LoadingCurve
 from fingerpad.simulate import outline_points
-from fingerpad.study.corrections.items import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.pipeline import run_study

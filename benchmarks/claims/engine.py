@@ -24,8 +24,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, TaskResult, perform
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import Study
-from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
+from fingerpad.study.measuring.context import FoundScale, RunContext, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequences import SequenceItem, header_task
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status

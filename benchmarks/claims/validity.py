@@ -25,8 +25,8 @@ from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.summary_file import ValidityRecord
+from fingerpad.study.results.validity.checks import validity_of
 from fingerpad.study.results.validity.model_checks import INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.verdict import validity_of
 
 HEADLINES: Final = (RADIUS, MODULUS, INDENTATION)
 VERDICTS: Final = ("holds", "strained", "fails")

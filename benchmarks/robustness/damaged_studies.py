@@ -22,8 +22,7 @@ import httpx
 import tomlkit
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.corrections.items import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog
 from fingerpad.study.manifest.load import read_study
 from fingerpad.web.app import make_api, make_app
 from fingerpad.web.security import Access

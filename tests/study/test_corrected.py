@@ -20,9 +20,8 @@ from fingerpad.study.corrections.changes import ContactCorrection, PhotographCor
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import measure_observation, reviewed
-from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.context import RunContext, scale_key
 from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items
-from fingerpad.study.measuring.scales import scale_key
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 MM_PER_PX = 0.1

@@ -15,14 +15,14 @@ from tests.studies import contact, finger, picture, sequence, study_of
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import (
+from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
+    CorrectionLog,
     frames_of,
     kind_of,
     similar_images,
     with_settings_of,
 )
-from fingerpad.study.corrections.log import CorrectionLog
 
 PPI_500 = {"scale": {"ppi": 500}}
 STUDY = study_of(

@@ -12,8 +12,8 @@ from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.results.pooling import Exponent, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.summary_file import ValidityRecord
+from fingerpad.study.results.validity.checks import validity_of
 from fingerpad.study.results.validity.model_checks import MODULUS
-from fingerpad.study.results.validity.verdict import validity_of
 
 STATED = 0.02
 

@@ -8,7 +8,7 @@ from tests.studies import correct, rows_of, summary_of
 from tests.study.small_study import PPI, copy
 
 from fingerpad.report import write_report
-from fingerpad.study.corrections.items import SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records

@@ -12,7 +12,7 @@ from tests import studies
 
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult

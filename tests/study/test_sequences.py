@@ -20,8 +20,7 @@ from fingerpad.report.text import doubtful_results, fingers_without_results
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.apply import frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import ActiveCorrection
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import ActiveCorrection, CorrectionLog
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest.load import read_study

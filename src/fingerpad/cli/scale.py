@@ -103,7 +103,7 @@ def _measured(way: str, given: Mapping[str, Any]) -> "Scale":
 
     from fingerpad.study.manifest.messages import checked
     from fingerpad.study.manifest.models import OwnScale
-    from fingerpad.study.measuring.scales import measure_scale
+    from fingerpad.study.measuring.context import measure_scale
 
     keys = {_FLAGS[flag][0]: flag for flag in _flags_of(way)}
     content = {key: _content(flag, given[flag]) for key, flag in keys.items() if flag in given}

@@ -18,13 +18,13 @@ from fingerpad.image.read import read_resolution
 from fingerpad.image.scale import other_resolution
 from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
-from fingerpad.study.corrections.items import (
+from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
+    CorrectionLog,
     image_of,
     on_another_image,
 )
-from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.runner import Executor, Progress, executor_for, records_of
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task

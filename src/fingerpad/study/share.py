@@ -21,7 +21,7 @@ from typing import Final, Self
 from uuid import uuid4
 
 from fingerpad.exceptions import ArchiveError
-from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME, locked

@@ -14,8 +14,7 @@ from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study

@@ -11,13 +11,13 @@ from urllib.parse import quote
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
-from fingerpad.study.corrections.items import (
+from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
+    CorrectionLog,
     parts_of_item,
     sequence_of_phases,
 )
-from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME

@@ -38,7 +38,7 @@ from fingerpad.study.corrections.changes import (
     PhotographCorrection,
     SequenceCorrection,
 )
-from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
+from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Observation, Photograph
 
 

@@ -6,31 +6,329 @@ changes. Automatic measurements are neither kept here nor overwritten.
 """
 
 import hashlib
+import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import RLock
-from typing import Any, Final
+from typing import Any, Final, Literal, TypeAlias
 
-from fingerpad.exceptions import CorrectionConflict, StoreError
-from fingerpad.study.corrections.changes import Change
-from fingerpad.study.corrections.items import (
-    CORRECTIONS_NAME,
-    Action,
-    ActiveCorrection,
-    History,
-    Record,
-    checked_change,
-    kind_of,
-    line_of,
-    model_of,
-    named_kind,
-    picture_digest,
-    record_of,
+from fingerpad._files import digest_of
+from fingerpad.exceptions import CorrectionConflict, ImageError, ManifestError, StoreError
+from fingerpad.image import open_frames
+from fingerpad.study.corrections.changes import (
+    Change,
+    ContactCorrection,
+    PhotographCorrection,
+    SequenceCorrection,
 )
 from fingerpad.study.journal import locked, sync_folder
+from fingerpad.study.manifest.messages import validated
 from fingerpad.study.manifest.models import Study
+
+CORRECTIONS_NAME: Final = "corrections.jsonl"
+SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
+_PHASES: Final = "phases"
+
+Action: TypeAlias = Literal["change", "undo", "redo"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """One correction by one person."""
+
+    id: int  # in the file, from 1, rising
+    item: str
+    when: str  # ISO 8601, UTC
+    who: str
+    action: Action
+    # All that is wanted of the item; empty for the automatic result, and for an undo or redo.
+    change: dict[str, Any]
+    # SHA-256 of what was corrected, as of `picture_digest`.
+    picture: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as its line of the file says it."""
+        return asdict(self)
+
+    @property
+    def words(self) -> str:
+        """Who did what, and when."""
+        what = ", ".join(self.change) or "everything back to the program's"
+        did = f"changed {what}" if self.action == "change" else f"took a step ({self.action})"
+        return f"{self.who} {did} at {self.when}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActiveCorrection:
+    """The active correction of an item."""
+
+    item: str
+    change: Change
+    who: str
+    when: str
+    picture: str = ""
+    pooling_who: str = ""
+    pooling_when: str = ""
+
+    @property
+    def key(self) -> list[Any]:
+        """All of it that results depend on, for a digest."""
+        return [self.item, self.who, self.change.as_json()]
+
+
+def is_rejected(active_correction: ActiveCorrection | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return active_correction is not None and active_correction.change.rejected is not None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class History:
+    """All corrections of one item."""
+
+    item: str
+    records: tuple[Record, ...] = ()
+
+    @property
+    def last_id(self) -> int:
+        """Number of the newest record, 0 where there is none: what an author has seen."""
+        return self.records[-1].id if self.records else 0
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to take back."""
+        return self._place()[1] > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change taken back."""
+        changes, place = self._place()
+        return place < len(changes)
+
+    @property
+    def active_correction(self) -> ActiveCorrection | None:
+        """The active correction; None where the automatic result holds."""
+        changes, place = self._place()
+        if not place or not changes[place - 1].change:
+            return None
+        record = changes[place - 1]
+        change = checked_change(
+            model_of(self.item), record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
+        )
+        pooling = _first_with_pooling(changes[:place])
+        return ActiveCorrection(
+            item=self.item,
+            change=change,
+            who=record.who,
+            when=record.when,
+            picture=record.picture,
+            pooling_who=pooling.who if pooling else "",
+            pooling_when=pooling.when if pooling else "",
+        )
+
+    def _place(self) -> tuple[list[Record], int]:
+        """Return the changes that undo and redo walk over, and how many of them hold."""
+        changes: list[Record] = []
+        place = 0
+        for record in self.records:
+            if record.action == "change":
+                changes[place:] = [record]
+                place += 1
+            elif record.action == "undo":
+                place = max(0, place - 1)
+            else:
+                place = min(len(changes), place + 1)
+        return changes, place
+
+
+def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
+    """Return the change that set what the last of some says of pooling; None where it says nothing."""
+    found = None
+    for record in reversed(changes):
+        if (pooling := record.change.get("pooling")) is None or pooling != changes[-1].change.get("pooling"):
+            break
+        found = record
+    return found
+
+
+ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
+_MODELS: Final[Mapping[ItemKind, type[Change]]] = {
+    "observation": ContactCorrection,
+    "frame": ContactCorrection,
+    "phases": SequenceCorrection,
+    "photograph": PhotographCorrection,
+}
+
+
+def phases_item(sequence: str) -> str:
+    """Return the item under which the phases of a sequence are corrected."""
+    return f"{sequence}#{_PHASES}"
+
+
+def parts_of_item(item: str) -> tuple[ItemKind, str, str]:
+    """Return what an item is by its name alone, whose it is, and which picture or frame, empty for none."""
+    if "/" in item:
+        finger, _, picture = item.partition("/")
+        return "photograph", finger, picture
+    name, mark, frame = item.partition("#")
+    if not mark:
+        return "observation", name, ""
+    return ("phases", name, "") if frame == _PHASES else ("frame", name, frame)
+
+
+def sequence_of_phases(item: str) -> str | None:
+    """Return the sequence whose phases an item is, None where it is another one."""
+    kind, name, _ = parts_of_item(item)
+    return name if kind == "phases" else None
+
+
+def model_of(item: str) -> type[Change]:
+    """Return the model of an item's corrections."""
+    return _MODELS[parts_of_item(item)[0]]
+
+
+def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
+    """Return a change, checked; `StoreError` has one line for each fault."""
+    try:
+        return validated(model, content, where, strict=True)
+    except ManifestError as error:
+        raise StoreError(str(error)) from None
+
+
+def line_of(record: Record) -> bytes:
+    """Return the line of the file that holds a record, with its checksum."""
+    content = record.as_json()
+    return _dump({**content, "checksum": _checksum(content)}) + b"\n"
+
+
+def record_of(line: bytes) -> Record | None:
+    """Return the record of a line, None if it is none; ValueError where it was changed since."""
+    try:
+        content = json.loads(line)
+        checksum = content.pop("checksum", None)
+        record = Record(**content)
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    texts = (record.item, record.when, record.who, record.picture)
+    good = (
+        all(isinstance(text, str) for text in texts)
+        and type(record.id) is int
+        and record.id > 0
+        and record.action in ("change", "undo", "redo")
+        and isinstance(record.change, dict)
+    )
+    if good and checksum is not None and checksum != _checksum(record.as_json()):
+        raise ValueError("was changed after it was written")
+    return record if good else None
+
+
+def _checksum(content: Mapping[str, Any]) -> str:
+    return hashlib.blake2b(_dump(content), digest_size=8).hexdigest()
+
+
+def _dump(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")
+
+
+def kind_of(item: str, study: Study) -> ItemKind:
+    """Return what an item is; `StoreError` where the manifest names no such item."""
+    kind = named_kind(item, study)
+    if kind is None:
+        raise StoreError(
+            f"{item[:80]!r} is nothing that can be corrected: name an observation, a frame as SEQUENCE#12, "
+            "the phases of a sequence as SEQUENCE#phases, or a photograph as FINGER/IMAGE, as the manifest "
+            "has them"
+        )
+    return kind
+
+
+def named_kind(item: str, study: Study) -> ItemKind | None:
+    """Return what an item is, None where the manifest names no such item."""
+    kind, name, part = parts_of_item(item)
+    if kind == "photograph":
+        known = any(
+            one.name == name and part in {each.file for each in one.photographs} for one in study.fingers
+        )
+    elif kind == "observation":
+        known = any(one.name == name for one in study.observations)
+    else:
+        known = (kind == "phases" or _is_frame(part)) and any(one.name == name for one in study.sequences)
+    return kind if known else None
+
+
+def image_of(item: str, study: Study) -> str | None:
+    """Return the file of an item's picture, or of the force whose phases it is; None of a frame."""
+    kind, name, part = parts_of_item(item)
+    if kind == "photograph":
+        return part
+    if kind == "phases":
+        return next((one.force for one in study.sequences if one.name == name), None)
+    return next((one.file for one in study.observations if one.name == item), None)
+
+
+def picture_digest(item: str, study: Study, folder: Path) -> str:
+    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any."""
+    image = image_of(item, study)
+    if image is not None:
+        return digest_of(folder / image)
+    if named_kind(item, study) != "frame":
+        return ""
+    _, name, number = parts_of_item(item)
+    path = next(sequence.file for sequence in study.sequences if sequence.name == name)
+    try:
+        return open_frames(folder / path).at(int(number)).digest
+    except ImageError:
+        return ""
+
+
+def on_another_image(
+    active_corrections: Mapping[str, ActiveCorrection], digest: Callable[[str], str]
+) -> list[str]:
+    """Return the items whose picture is not the one that was corrected; `digest` gives the current one's."""
+    return [
+        item
+        for item, active_correction in active_corrections.items()
+        if active_correction.picture and digest(item) not in {"", active_correction.picture}
+    ]
+
+
+def frames_of(
+    active_corrections: Mapping[str, ActiveCorrection], sequence: str
+) -> dict[int, ActiveCorrection]:
+    """Return the active corrections of a sequence's frames, by the frame's number."""
+    start = f"{sequence}#"
+    named = ((item.removeprefix(start), item) for item in active_corrections if item.startswith(start))
+    return {int(number): active_corrections[item] for number, item in named if _is_frame(number)}
+
+
+def _is_frame(number: str) -> bool:
+    """Tell whether a frame is numbered as the rows name it."""
+    return number.isdecimal() and str(int(number)) == number
+
+
+# How an image is measured. What was drawn, and the place of a contact, belong to one image alone.
+SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px", "mask_px")
+
+
+def similar_images(item: str, study: Study) -> list[str]:
+    """Return the other contact images of the same finger with the same scale, as of one device."""
+    one = next((each for each in study.observations if each.name == item and each.file), None)
+    if one is None:
+        return []
+    return [
+        each.name
+        for each in study.observations
+        if each.file and each.name != item and (each.finger, each.scale) == (one.finger, one.scale)
+    ]
+
+
+def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
+    """Return a correction with another one's settings and without a verdict; what was drawn stays."""
+    settings = {name: value for name in SHARED_SETTINGS if (value := getattr(source, name)) is not None}
+    return target.model_copy(update={**settings, "accepted": False, "rejected": None})
+
 
 _LOCK: Final = ".corrections.lock"
 _MOST_NAME: Final = 200

@@ -17,8 +17,7 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
-from fingerpad.study.corrections.items import ItemKind, parts_of_item
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import CorrectionLog, ItemKind, parts_of_item
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, locked, read_text_or_none, replace_files
 from fingerpad.study.manifest.load import (

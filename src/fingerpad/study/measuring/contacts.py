@@ -18,12 +18,11 @@ from fingerpad.study.corrections.apply import (
     corrected_contact_image,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record, Work, in_study
 from fingerpad.study.manifest.models import Contact, Direction, Observation
-from fingerpad.study.measuring.context import OneTaskItem
-from fingerpad.study.measuring.scales import FoundScale, require_scale
+from fingerpad.study.measuring.context import FoundScale, OneTaskItem, require_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -31,9 +31,8 @@ from fingerpad.loading import (
 from fingerpad.study.engine.store import fields_from, to_record
 from fingerpad.study.engine.task import Record, Work, in_study, versions_of
 from fingerpad.study.manifest.models import Curve, Finger, Study, Uncertainty
-from fingerpad.study.measuring.context import OneTaskItem, cache_key
+from fingerpad.study.measuring.context import FoundScale, OneTaskItem, cache_key, require_scale
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
-from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Inputs, placement_model, pool, propagate, proportional_stds
 
 # A curve can be damaged in unforeseen ways, which cost it alone.

@@ -27,12 +27,18 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
+from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import fields_from, from_record, to_record
 from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Finger, Photograph
-from fingerpad.study.measuring.context import OneTaskItem, RunContext
-from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
+from fingerpad.study.measuring.context import (
+    FoundScale,
+    OneTaskItem,
+    RunContext,
+    Scales,
+    require_scale,
+    scale_key,
+)
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
 # follows its outlines; more where the outline hides that place. See benchmarks/claims/photograph_errors.py.

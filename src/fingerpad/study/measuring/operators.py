@@ -16,8 +16,7 @@ from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, in_study
 from fingerpad.study.manifest.models import Observation, ScaleKey
-from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.scales import FoundScale, require_scale
+from fingerpad.study.measuring.context import FoundScale, RunContext, require_scale
 from fingerpad.uncertainty import Agreement, agreement
 
 QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2")

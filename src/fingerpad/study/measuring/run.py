@@ -10,11 +10,18 @@ from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
 from fingerpad.study.manifest.models import Contact
 from fingerpad.study.measuring.contacts import Measurement, ObservationItem
-from fingerpad.study.measuring.context import Item, RunContext, cache_key
+from fingerpad.study.measuring.context import (
+    FoundScale,
+    Item,
+    RunContext,
+    cache_key,
+    scale_from,
+    scale_record,
+    scale_tables,
+)
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_items
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
-from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
     SequenceResult,

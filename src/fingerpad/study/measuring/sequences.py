@@ -53,13 +53,12 @@ from fingerpad.study.corrections.apply import (
     manual_phases,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
+from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
 from fingerpad.study.engine.store import DamagedResultError, fields_from, from_record, to_record
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
 from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.measuring.contacts import Measurement, from_contact_image, reviewed, with_automatic_axes
-from fingerpad.study.measuring.context import Item, RunContext, cache_key
-from fingerpad.study.measuring.scales import FoundScale, require_scale
+from fingerpad.study.measuring.context import FoundScale, Item, RunContext, cache_key, require_scale
 
 _MIN_ROWS: Final = 6
 # The way in is fitted up to this share of the largest force, beyond which tissue stiffens.

@@ -19,11 +19,11 @@ from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest.models import Study
+from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair, operator_agreement
 from fingerpad.study.measuring.run import Measured
-from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
@@ -37,7 +37,7 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord, ValidityRecord
 from fingerpad.study.results.table import COLUMNS, groups, records
-from fingerpad.study.results.validity.verdict import validity_of, with_verdicts
+from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.uncertainty import (
     Inputs,
     pad_model,

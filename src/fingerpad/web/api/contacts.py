@@ -26,7 +26,7 @@ from fingerpad.study.corrections.apply import (
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
-from fingerpad.study.corrections.items import parts_of_item
+from fingerpad.study.corrections.log import parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
@@ -37,7 +37,7 @@ from fingerpad.study.measuring.contacts import (
     is_pooled,
     reviewed,
 )
-from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES

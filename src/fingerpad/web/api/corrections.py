@@ -10,15 +10,15 @@ from pydantic import Field
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import (
+from fingerpad.study.corrections.log import (
     ActiveCorrection,
+    CorrectionLog,
     Record,
     kind_of,
     on_another_image,
     similar_images,
     with_settings_of,
 )
-from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, PoolingCorrectionRecord

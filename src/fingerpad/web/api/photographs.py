@@ -21,7 +21,7 @@ from fingerpad.image import (
 from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import ManualFaceEllipse, PhotographCorrection
-from fingerpad.study.corrections.items import is_rejected
+from fingerpad.study.corrections.log import is_rejected
 from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import (
     FingerResult,

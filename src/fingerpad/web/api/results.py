@@ -16,7 +16,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.published import AuditItem, audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
-from fingerpad.study.corrections.items import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN

@@ -11,7 +11,7 @@ from fingerpad._files import file_stem
 from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
-from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
+from fingerpad.study.measuring.context import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web.answers import Answer, Point, Quantity
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.errors import RequestError

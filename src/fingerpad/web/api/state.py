@@ -23,14 +23,13 @@ from fingerpad.flags import FLAGS, Flag
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
-from fingerpad.study.corrections.items import (
+from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
     ActiveCorrection,
     is_rejected,
 )
-from fingerpad.study.editing.propose import NewFile, named_file
-from fingerpad.study.editing.scales import scale_words
+from fingerpad.study.editing.propose import NewFile, named_file, scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy
