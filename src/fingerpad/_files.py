@@ -1,6 +1,8 @@
 """Folders for results, names and digests of files."""
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -8,6 +10,18 @@ from fingerpad.exceptions import FingerpadError, ManifestError
 
 # Bytes; a file system takes 255 with what is added.
 _LONGEST_STEM: Final = 200
+
+
+@contextmanager
+def named_if_unwritten(
+    path: Path, way_out: str = "", error: type[FingerpadError] = FingerpadError
+) -> Iterator[None]:
+    """Say of a file that cannot be written, or of `path` where none is named, why, and the way out."""
+    try:
+        yield
+    except OSError as fault:
+        place, why = fault.filename or path, fault.strerror or fault
+        raise error(f"{place}: cannot be written ({why}){way_out and f': {way_out}'}") from fault
 
 
 def make_folder(folder: Path) -> None:

@@ -21,18 +21,18 @@ REAL = ROOT.parent / "shared" / "data"
 
 def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
     expected = {
-        "*.png": "contact image",
+        "*.png": "observation",
         "*.jpg": "photograph",
         "*.tif": "sequence",
-        "curve*.csv": "loading curve",
-        "*force.csv": "force table",
+        "curve*.csv": "curve",
+        "*force.csv": "force",
     }
     for pattern, content in expected.items():
         for number, path in enumerate(sorted(EXAMPLE.glob(pattern))):
             plain = tmp_path / f"IMG_{number:04}{path.suffix}"
             plain.write_bytes(path.read_bytes())
             found = identify_file(plain)
-            assert (found.content, found.is_sure) == (content, True), path.name
+            assert (found.use, found.is_sure) == (content, True), path.name
             if content == "photograph":
                 assert found.face == path.stem.split("_")[1]
 
@@ -81,41 +81,41 @@ def test_real_prints_are_contact_images() -> None:
 def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
     grey = np.full((200, 200), 200, np.uint8)
     cv2.circle(grey, (100, 100), 60, 90, -1)
-    for name, content in [("30deg_2N", "contact image"), ("palmar", "photograph")]:
+    for name, content in [("30deg_2N", "observation"), ("palmar", "photograph")]:
         Image.fromarray(cv2.GaussianBlur(grey, (0, 0), 25)).save(tmp_path / f"{name}.png")
         found = identify_file(tmp_path / f"{name}.png")
-        assert (found.content, found.is_sure) == (content, True)
+        assert (found.use, found.is_sure) == (content, True)
     assert found.face == "palmar"
 
 
 @pytest.mark.parametrize(
     ("text", "content"),
     [
-        ("time_s,force_N,displacement_mm\n0,0,0\n", "loading curve"),
-        ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force table"),
-        ("Position;Force\n1,5;0,2\n", "loading curve"),
-        ("Time/s;Normal force [mN];Disp / µm\n0;0,1;0\n", "loading curve"),
-        ("time_s,force_N\n0,0\n", "force table"),
-        ("Time [s]\tLoad[mN]\n0\t0\n", "force table"),
+        ("time_s,force_N,displacement_mm\n0,0,0\n", "curve"),
+        ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force"),
+        ("Position;Force\n1,5;0,2\n", "curve"),
+        ("Time/s;Normal force [mN];Disp / µm\n0;0,1;0\n", "curve"),
+        ("time_s,force_N\n0,0\n", "force"),
+        ("Time [s]\tLoad[mN]\n0\t0\n", "force"),
         ("X [µm];Y [µm]\n0;0\n", "outline"),
         ("x_mm,y_mm\n0,0\n", "outline"),
-        ("file,load\nIMG_1,2\n", "table of files"),
-        ("a,b\n1,2\n", "other"),
-        ("", "other"),
+        ("file,load\nIMG_1,2\n", "sheet"),
+        ("a,b\n1,2\n", ""),
+        ("", ""),
     ],
 )
 def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
     path = tmp_path / "data.csv"
     path.write_text(text, encoding="utf-8")
-    assert identify_file(path).content == content
+    assert identify_file(path).use == content
 
 
 @pytest.mark.parametrize(
     ("name", "content", "is_sure"),
     [
-        ("press_force.csv", "force table", False),
-        ("press.csv", "loading curve", True),
-        ("force_displacement.csv", "loading curve", True),
+        ("press_force.csv", "force", False),
+        ("press.csv", "curve", True),
+        ("force_displacement.csv", "curve", True),
     ],
 )
 def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
@@ -123,4 +123,4 @@ def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
 ) -> None:
     (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
     found = identify_file(tmp_path / name)
-    assert (found.content, found.is_sure) == (content, is_sure)
+    assert (found.use, found.is_sure) == (content, is_sure)

@@ -65,8 +65,7 @@ def test_the_only_finger_is_that_of_a_file_that_names_none() -> None:
     ],
 )
 def test_guessed_scales(use, ppi, scales, expected) -> None:
-    content = {"observation": "contact image", "photograph": "photograph", "curve": "loading curve"}[use]
-    found = FileIdentity(kind="picture", contents={content: 1.0}, faces={}, dots_per_inch=ppi)
+    found = FileIdentity(kind="picture", uses={use: 1.0}, faces={}, dots_per_inch=ppi)
     guess = guess_of(found, scales)
     new = with_guess(NewFile(file="IMG_0031.png"), guess)
     assert (new.use, new.scale) == (use, expected)

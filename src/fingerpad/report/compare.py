@@ -9,9 +9,8 @@ from typing import Final
 from markupsafe import Markup
 
 import fingerpad
-from fingerpad._files import make_folder
+from fingerpad._files import make_folder, named_if_unwritten
 from fingerpad._rounding import two_digits, value_with_uncertainty
-from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_panels
 from fingerpad.figures.compare import colours_of, plot_forest
 from fingerpad.report.plot import Plot, save_plots
@@ -44,7 +43,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path."""
     make_folder(out / "figures")
     path = out / "compare.html"
-    try:
+    with named_if_unwritten(path, "make room, or choose another --out"):
         template = templates().get_template("compare.html.jinja")
         page = template.render(
             interval=_interval,
@@ -69,11 +68,6 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
             synthetic=any(value.synthetic for value in comparison.values),
         )
         path.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or path}: cannot be written ({error.strerror}): make room, "
-            "or choose another --out"
-        ) from error
     return path
 
 

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from PIL import Image
 
+from fingerpad._files import named_if_unwritten
 from fingerpad._rounding import two_digits
-from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag
 from fingerpad.report import plots, text
@@ -58,7 +58,8 @@ def write_page(
     """
     path, found = out / name, answers_of(result)
     draw = partial(save_plots, folder=out / "figures", on_drawn=on_drawn)
-    try:
+    way_out = "what was measured is kept; make room, or choose another --out, and run again to go on"
+    with named_if_unwritten(path, way_out):
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
         template = templates().get_template("report.html.jinja")
@@ -102,11 +103,6 @@ def write_page(
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:
             file.writelines(page)
         path.with_suffix(".part").replace(path)
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or path}: cannot be written ({error.strerror}): what was measured is kept; "
-            "make room, or choose another --out, and run again to go on"
-        ) from error
 
 
 def _tabled(result: StudyResult, found: Sequence[Answer]) -> dict[str, Any]:

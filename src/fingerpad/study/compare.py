@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad._csv import packaged_lines, write_csv
 from fingerpad._display import Displayed
-from fingerpad._files import make_folder
+from fingerpad._files import make_folder, named_if_unwritten
 from fingerpad._json import dumps
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.exceptions import FingerpadError
@@ -560,7 +560,7 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
 def write_comparison(comparison: Comparison, out: Path) -> None:
     """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder."""
     make_folder(out)
-    try:
+    with named_if_unwritten(out, "make room, or choose another"):
         for name, rows in (
             ("compare", comparison.values),
             ("compare_means", comparison.means),
@@ -570,7 +570,3 @@ def write_comparison(comparison: Comparison, out: Path) -> None:
             if records:
                 write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])
         (out / "compare.json").write_text(dumps(comparison.as_record(), indent=1) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or out}: cannot be written ({error.strerror}): make room, or choose another"
-        ) from error

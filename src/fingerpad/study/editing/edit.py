@@ -67,27 +67,33 @@ def new_table(tables: Any, key: str) -> Any:
     return tables[key]
 
 
-def added(home: Any, name: str) -> Any:
-    """Return a new table at the end of a list of tables."""
-    if name not in home:
-        home[name] = tomlkit.aot()
-    listed = home[name]
-    listed.append(spaced(tomlkit.table()) if isinstance(listed, AoT) else tomlkit.inline_table())
-    return listed[-1]
-
-
 def spaced(table: Any) -> Any:
     """Return a table with an empty line before it."""
     table.trivia.indent = "\n"
     return table
 
 
-def remove(home: Any, name: str, table: Any) -> None:
-    """Remove a table from a list of tables, and the list with its last one."""
-    listed = home[name]
-    listed.pop(next(place for place, one in enumerate(listed) if one is table))
-    if not listed:
-        home.pop(name)
+def change_listed(home: Any, name: str, table: Any, edit: "Edit", start: Mapping[str, str]) -> None:
+    """Change a table of a list, or remove it, and the list with its last one; None is added at the end.
+
+    A new one begins with the keys of `start`, which name it.
+    """
+    if edit.set is None:
+        if table is None:
+            raise ManifestError(f"{edit.kind} {edit.key}: there is none of this name")
+        listed = home[name]
+        listed.pop(next(place for place, one in enumerate(listed) if one is table))
+        if not listed:
+            home.pop(name)
+    elif table is not None:
+        update(table, edit.set)
+    else:
+        if name not in home:
+            home[name] = tomlkit.array().multiline(True) if name == "photographs" else tomlkit.aot()
+        inline = not isinstance(home[name], AoT)
+        table = tomlkit.inline_table() if inline else spaced(tomlkit.table())
+        update(table, {**start, **edit.set})
+        home[name].append(table)
 
 
 _HEADER: Final = re.compile(r"^[ \t]*\[[^,\n]*\][ \t]*(?:#.*)?\r?$", re.MULTILINE)
@@ -301,22 +307,13 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
         files.sheet.change(edit.key, edit.set)
         return
     table = _find(files, edit.kind, edit.key)
-    if edit.set is None:
-        if table is None:
-            raise ManifestError(f"{edit.kind} {edit.key}: there is none of this name")
-        remove(files.manifest, LISTS[edit.kind], table)
-        return
-    values = dict(edit.set)
-    if edit.kind != "curve":
-        _require_name(edit.kind, str(values.get("name", edit.key)))
-    if table is None:
-        table = added(files.manifest, LISTS[edit.kind])
-        if edit.kind != "curve":
-            values = {"name": edit.key} | values
-    else:
+    renamed = str((edit.set or {}).get("name", edit.key))
+    start = {} if edit.kind == "curve" else {"name": edit.key}
+    if edit.set is not None and start:
+        _require_name(edit.kind, renamed)
+    if table is not None:
         _refuse_rename(files, edit)
-    update(table, values)
-    renamed = str(values.get("name", edit.key))
+    change_listed(files.manifest, LISTS[edit.kind], table, edit, start)
     if edit.kind == "finger" and renamed != edit.key:
         _rename(files, "finger", edit.key, renamed)
 
@@ -328,25 +325,8 @@ def _set_photograph(files: StudyFiles, edit: Edit) -> None:
         raise ManifestError(f"photograph {edit.key}: no finger is named {owner!r}; add the finger first")
     photographs = finger.get("photographs", [])
     found = next((one for one in photographs if file in {one.get("file"), one.get("outline")}), None)
-    if edit.set is None:
-        if found is None:
-            raise ManifestError(f"photograph {edit.key}: there is none of this name")
-        remove(finger, "photographs", found)
-        return
-    if found is not None:
-        update(found, edit.set)
-        return
-    values = dict(edit.set)
-    if "outline" not in values:
-        values = {"file": file} | values
-    if "photographs" not in finger:
-        finger["photographs"] = tomlkit.array().multiline(True)
-    if isinstance(finger["photographs"], AoT):
-        table: Any = tomlkit.table()
-    else:
-        table = tomlkit.inline_table()
-    update(table, values)
-    finger["photographs"].append(table)
+    start = {} if "outline" in (edit.set or {}) else {"file": file}
+    change_listed(finger, "photographs", found, edit, start)
 
 
 def _find(files: StudyFiles, kind: Kind, key: str) -> Any:

@@ -5,17 +5,17 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
-from typing import Any, Final, Literal, TypeAlias, get_args
+from typing import Any, Final, get_args
 
 from fingerpad._csv import packaged_lines
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
-from fingerpad.study.imports.identify import Content, FileIdentity
+from fingerpad.study.imports.identify import FileIdentity
 from fingerpad.study.imports.names import (
     FileKind,
     FileValues,
-    Role,
+    Use,
     number_in,
     plain_name,
     read_file_name,
@@ -87,20 +87,6 @@ def scale_words(scale: object) -> str:
     return words.format(f"{value:.12g}") if isinstance(value, int | float) else way
 
 
-Use: TypeAlias = Role | Literal["coin", "ruler", "force", "sheet", ""]
-
-OF_CONTENT: Final[Mapping[Content, Use]] = {
-    "contact image": "observation",
-    "photograph": "photograph",
-    "coin": "coin",
-    "ruler": "ruler",
-    "sequence": "sequence",
-    "loading curve": "curve",
-    "force table": "force",
-    "outline": "outline",
-    "table of files": "sheet",
-    "other": "",
-}
 # What a file of each kind may be used as, in words.
 USES: Final[Mapping[FileKind, Mapping[Use, str]]] = {
     "picture": {
@@ -205,7 +191,7 @@ def guess_of(found: FileIdentity, scales: Mapping[str, Mapping[str, Any]]) -> Gu
     """
     ppi = found.dots_per_inch
     return Guess(
-        uses=tuple(OF_CONTENT[content] for content in found.contents),
+        uses=tuple(found.uses),
         sure=found.is_sure,
         face=found.face,
         face_sure=found.is_face_sure,

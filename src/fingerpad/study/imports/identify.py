@@ -19,6 +19,7 @@ from fingerpad.study.imports.names import (
     Field,
     FileKind,
     FileValues,
+    Use,
     finger_name,
     names_a_force,
     names_a_scale,
@@ -199,25 +200,12 @@ def _key(name: str, *, with_suffix: bool) -> str:
     return re.sub(r"[\W_]+", "-", plain.casefold()).strip("-")
 
 
-Content: TypeAlias = Literal[
-    "contact image",
-    "photograph",
-    "coin",
-    "ruler",
-    "sequence",
-    "loading curve",
-    "force table",
-    "outline",
-    "table of files",
-    "other",
-]
-
-_OF_SUBJECT: Final[Mapping[Subject, Content]] = {
-    "contact": "contact image",
+_OF_SUBJECT: Final[Mapping[Subject, Use]] = {
+    "contact": "observation",
     "finger": "photograph",
     "coin": "coin",
     "ruler": "ruler",
-    "other": "other",
+    "other": "",
 }
 # A name that says what a file is counts as this factor; a likelihood at which a guess need not be asked.
 _NAMED: Final = 200.0
@@ -230,16 +218,16 @@ class FileIdentity:
     """What a file may be."""
 
     kind: FileKind
-    # what it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies
-    contents: Mapping[Content, float]
+    # What it may be used as, most likely first; the numbers sum to 1. They rank, and are no frequencies.
+    uses: Mapping[Use, float]
     faces: Mapping[Face, float]  # the face that it shows if it is a photograph, most likely first
     # the resolution that a picture states, as in `fingerpad.image.Picture`
     dots_per_inch: float | None = None
 
     @property
-    def content(self) -> Content:
-        """The most likely content."""
-        return next(iter(self.contents))
+    def use(self) -> Use:
+        """The most likely use."""
+        return next(iter(self.uses))
 
     @property
     def face(self) -> Face | None:
@@ -249,7 +237,7 @@ class FileIdentity:
     @property
     def is_sure(self) -> bool:
         """Whether nothing else is at all likely; otherwise it is to be asked."""
-        return self.contents[self.content] >= SURE
+        return self.uses[self.use] >= SURE
 
     @property
     def is_face_sure(self) -> bool:
@@ -268,46 +256,46 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix in TABLE_SUFFIXES:
-        return _identity(_table_contents(path), path, "table")
+        return _identity(_table_uses(path), path, "table")
     if suffix in VIDEO_SUFFIXES:
         return _identity({"sequence": 1.0}, path, "sequence")
     if suffix in TIFF_SUFFIXES and open_frames(path, memory_limit=memory_limit).count > 1:
         return _identity({"sequence": 1.0}, path, "sequence")
     if suffix not in PICTURE_SUFFIXES:
-        return _identity({"other": 1.0}, path, "other")
+        return _identity({"": 1.0}, path, "other")
     levels, dots_per_inch = read_levels(path, memory_limit)
     guess = guess_subject(in_colour(levels))
-    contents = {_OF_SUBJECT[subject]: share for subject, share in guess.subjects.items()}
-    return replace(_identity(contents, path, "picture", guess.faces), dots_per_inch=dots_per_inch)
+    uses = {_OF_SUBJECT[subject]: share for subject, share in guess.subjects.items()}
+    return replace(_identity(uses, path, "picture", guess.faces), dots_per_inch=dots_per_inch)
 
 
 def _identity(
-    contents: Mapping[Content, float], path: Path, kind: FileKind, faces: Mapping[Face, float] | None = None
+    uses: Mapping[Use, float], path: Path, kind: FileKind, faces: Mapping[Face, float] | None = None
 ) -> FileIdentity:
     """Return what content and name say together."""
     reading = read_file_name(path.name, kind)
-    weights, by_face = dict(contents), dict(faces or {})
+    weights, by_face = dict(uses), dict(faces or {})
     if kind == "picture":
-        named: list[Content] = []
+        named: list[Use] = []
         if names_a_scale(path.name):
             named = ["coin", "ruler"]
         elif "face" in reading:
             named = ["photograph"]
         elif "load_N" in reading:  # which nothing else has: a small print can look like a ruler
-            weights = {content: float(content == "contact image") for content in weights}
-        for content in named:
-            weights[content] *= _NAMED
+            weights = {use: float(use == "observation") for use in weights}
+        for use in named:
+            weights[use] *= _NAMED
     if "face" in reading and kind in {"picture", "table"}:
         by_face = {reading["face"]: 1.0, **{face: 0.0 for face in by_face if face != reading["face"]}}
-    return FileIdentity(kind=kind, contents=_ranked(weights), faces=by_face)
+    return FileIdentity(kind=kind, uses=_ranked(weights), faces=by_face)
 
 
-def _ranked(weights: Mapping[Content, float]) -> dict[Content, float]:
+def _ranked(weights: Mapping[Use, float]) -> dict[Use, float]:
     whole = sum(weights.values())
     return {name: weights[name] / whole for name in sorted(weights, key=lambda name: -weights[name])}
 
 
-def _table_contents(path: Path) -> dict[Content, float]:
+def _table_uses(path: Path) -> dict[Use, float]:
     """Return what a table may be, by its headers."""
     table = read_table(path, ManifestError, head_only=True)
     headers = [cell.casefold() for cell in table.header]
@@ -327,14 +315,14 @@ def _table_contents(path: Path) -> dict[Content, float]:
         share = (
             0.04 if not has["time"] else 0.95 if has["trigger"] else 0.7 if names_a_force(path.name) else 0.04
         )
-        return {"loading curve": 0.99 - share, "force table": share, "other": 0.01}
+        return {"curve": 0.99 - share, "force": share, "": 0.01}
     if _names_files(table):
-        return {"table of files": 0.95, "other": 0.05}
+        return {"sheet": 0.95, "": 0.05}
     if has["force"] and has["time"]:
-        return {"force table": 0.95, "loading curve": 0.03, "other": 0.02}
+        return {"force": 0.95, "curve": 0.03, "": 0.02}
     if has["x"] and has["y"]:
-        return {"outline": 0.95, "other": 0.05}
-    return {"other": 0.6, "loading curve": 0.2, "force table": 0.1, "outline": 0.1}
+        return {"outline": 0.95, "": 0.05}
+    return {"": 0.6, "curve": 0.2, "force": 0.1, "outline": 0.1}
 
 
 def _begins(header: str, words: Iterable[str]) -> bool:

@@ -15,6 +15,8 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 
 Role: TypeAlias = Literal["observation", "photograph", "sequence", "curve", "outline"]
+# What a new file is used as; empty for something else.
+Use: TypeAlias = Role | Literal["coin", "ruler", "force", "sheet", ""]
 Field: TypeAlias = Literal["person", "finger", "face", "role", "wedge", "roll", "load", "scale", "session"]
 
 

@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._csv import csv_cell, write_csv
+from fingerpad._files import named_if_unwritten
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
-from fingerpad.exceptions import FingerpadError
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
@@ -39,7 +39,8 @@ from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -> None:
     """Write the tables of a run into `out`: of rows, loads, repeats and persons, and the summary."""
-    try:
+    way_out = "what was measured is kept; make room, or choose another --out, and run again to go on"
+    with named_if_unwritten(out, way_out):
         names = tuple(COLUMNS) if all_columns else DEFAULT_COLUMNS
         write_rows(result.rows, names, out / "results.csv", out / "results.json")
         columns = [COLUMNS[name] for name in names]
@@ -53,11 +54,6 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
         if pairs := [one.as_record() for one in result.operator_pairs]:
             _write_records(out / "second_operator.csv", pairs[0], pairs)
         (out / "summary.json").write_text(summary.text(), encoding="utf-8")
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or out}: cannot be written ({error.strerror}): what was measured is kept; "
-            "make room, or choose another --out, and run again to go on"
-        ) from error
 
 
 def _write_records(path: Path, names: Iterable[str], records: Iterable[Mapping[str, Any]]) -> None:

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from fingerpad._files import content_stamp, digest_of, sha256_of
+from fingerpad._files import content_stamp, digest_of, named_if_unwritten, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.journal import sync_folder, write_synced
@@ -85,19 +85,16 @@ def new_result_set(store: Store) -> Iterator[NewResultSet]:
     """Provide a folder for a run's files, which are put in place in the end unless anything is raised."""
     out = store.folder
     new = out / _NEW
+    way_out = "the results before it are kept; make room, or choose another --out, and run again to go on"
     try:
-        shutil.rmtree(new, ignore_errors=True)
-        new.mkdir()
-        result_set = NewResultSet(new)
-        yield result_set
-        result_set.write_sums()
-        new.rename(out / _COMPLETE)
-        sync_folder(out)
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or out}: cannot be written ({error.strerror}): the results before it are kept; "
-            "make room, or choose another --out, and run again to go on"
-        ) from error
+        with named_if_unwritten(out, way_out):
+            shutil.rmtree(new, ignore_errors=True)
+            new.mkdir()
+            result_set = NewResultSet(new)
+            yield result_set
+            result_set.write_sums()
+            new.rename(out / _COMPLETE)
+            sync_folder(out)
     finally:
         shutil.rmtree(new, ignore_errors=True)
     put_in_place(store)

@@ -10,7 +10,6 @@ from fingerpad.study.editing.propose import (
     Guess,
     NewFile,
     Proposal,
-    Use,
     guess_of,
     proposed_edits,
     stated_values,
@@ -24,7 +23,7 @@ from fingerpad.study.imports.identify import (
     parse_file_table,
     read_file_table,
 )
-from fingerpad.study.imports.names import FileValues, match_file_names
+from fingerpad.study.imports.names import FileValues, Use, match_file_names
 from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, FileParams, Item, Opened, Params, Query, study_router
