@@ -51,6 +51,22 @@ def test_semi_axes_and_centre(face):
     assert found.flags <= set(FLAGS["photograph"])
 
 
+@pytest.mark.parametrize("semi_axes", [(7.9, 13.8), (9.0, 13.0), (8.0, 11.0)])
+def test_straight_shaft_below_half_an_ellipse(semi_axes):
+    palmar, distal = semi_axes
+    x, y = (np.indices((700, 700))[::-1] + 0.5) * 0.05 - np.array([17.5, 20.0])[:, None, None]
+    # Distance from the edge to first order, above the widest place and below it.
+    level = np.hypot(x / palmar, y / distal)
+    outside = (level - 1) * level / np.maximum(np.hypot(x / palmar**2, y / distal**2), 1e-9)
+    inside = np.clip(0.5 - np.where(y < 0, outside, np.abs(x) - palmar) / 0.1, 0, 1)[..., None]
+    noise = np.random.default_rng(1).normal(0, 2, (700, 700, 3))
+    pixels = np.clip([60, 90, 150] + inside * [145, 60, -25] + noise, 0, 255).astype(np.uint8)
+    found = measure_photograph(pixels, "radial", Scale(0.05), palmar="right")
+    np.testing.assert_allclose(found.semi_axes, semi_axes, rtol=0.005)
+    assert (np.array(list(found.semi_axes_mm_std.values())) < 0.01 * found.semi_axes).all()
+    assert not found.flags & {"not_an_ellipse", "uncertain"}
+
+
 @pytest.mark.parametrize(("skin", "backdrop"), [(0.0, "black"), (0.5, "white"), (0.8, "cork")])
 def test_skin_tones_and_backdrops(skin, backdrop):
     truth = rendered(skin=skin, backdrop=backdrop, seed=5)

@@ -214,7 +214,10 @@ def _fitted(arc: FaceArc) -> ArcFit:
 def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.points, arc.face)
-    core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < SURELY_PAD
+    middle = PAD_MIDDLE[arc.face]
+    core = np.abs(turns_from(middle, arc.points, guess)) < SURELY_PAD
+    if arc.face in ("radial", "ulnar"):  # below the widest place the palmar side may be shaft
+        core &= turns_from(middle, arc.points, fit.ellipse.parameters) > -middle
     half, hidden = math.nan, 0.0
     outline, pad = arc.about(fit.ellipse, arc.tilt[0])
     # A side face shows the nail's side too, whose distance is no semi-axis.

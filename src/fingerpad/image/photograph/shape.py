@@ -104,27 +104,32 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
 
 
 def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
-    """Return how far the palmar side lies from the tip, and the tip from the palmar side."""
+    """Return how far the palmar side lies from the tip, and the tip above the widest place."""
     tip_x, tip_y = _turning_point(points, across**2 / along)
-    side_y, side_x = _turning_point(points[:, ::-1], along**2 / across)
-    return np.array([side_x - tip_x, tip_y - side_y])
+    width = _turning_point(points[:, ::-1], along**2 / across)[1] - tip_x
+    top = int(points[:, 1].argmax())
+    palmar = slice(top, None) if points[:, 0].argmax() > top else slice(top, None, -1)
+    return np.array([width, np.mean(_heights(points[palmar] - [tip_x, 0], tip_y, width))])
 
 
 def _front_lengths(points: FloatArray, across: float, along: float, width: HalfWidth) -> FloatArray:
-    """Return half of the width and the height of the tip above the widest place.
-
-    The shaft hides that place: its height is that of an ellipse through the places of nearly that width.
-    """
+    """Return half of the width and the height of the tip above the widest place."""
     tip_y = _turning_point(points, across**2 / along)[1]
-    x = points[:, 0] - width.middle
-    top = int(points[:, 1].argmax())
-    heights = []
-    for side in (slice(top, None), slice(top, None, -1)):
-        out, y = np.maximum.accumulate(np.abs(x[side])), points[side, 1]
-        for share in _WIDTHS:
-            at = float(np.interp(share * width.value, out, y))
-            heights.append((tip_y - at) / (1 - math.sqrt(1 - share**2)))
+    top, out = int(points[:, 1].argmax()), np.abs(points[:, 0] - width.middle)
+    sides = np.column_stack([out, points[:, 1]])
+    heights = [_heights(sides[way], tip_y, width.value) for way in (slice(top, None), slice(top, None, -1))]
     return np.array([width.value, np.mean(heights)])
+
+
+def _heights(side: FloatArray, tip_y: float, width: float) -> list[float]:
+    """Return the height of the tip above the widest place by places of nearly that width, as on an ellipse.
+
+    The shaft hides the widest place itself. A side is in order from the tip, x outwards.
+    """
+    out, y = np.maximum.accumulate(side[:, 0]), side[:, 1]
+    return [
+        (tip_y - float(np.interp(share * width, out, y))) / (1 - math.sqrt(1 - share**2)) for share in _WIDTHS
+    ]
 
 
 def _turning_point(points: FloatArray, radius: float) -> tuple[float, float]:
