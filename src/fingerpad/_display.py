@@ -2,7 +2,7 @@
 
 import base64
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, ClassVar
 
@@ -48,6 +48,16 @@ class Displayed:
         except (FingerpadError, ImportError):
             return text
         return f'<img src="data:image/png;base64,{image}" style="max-width: 560px" alt="">{text}'
+
+
+def aligned(lines: Iterable[Sequence[str]], indent: str = "") -> list[str]:
+    """Return lines of cells with their columns below each other."""
+    lines = list(lines)
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    padded = (
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)) for line in lines
+    )
+    return [f"{indent}{line.rstrip()}" for line in padded]
 
 
 def titled_lines(title: str, texts: Mapping[str, str]) -> str:

@@ -3,36 +3,32 @@
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer import Argument, Option, echo
 
+import fingerpad as fp
 from fingerpad._plausible import unit_doubts
 from fingerpad.cli import options, show
 from fingerpad.exceptions import FitError, LoadingError
 
-if TYPE_CHECKING:
-    from fingerpad.estimate import Estimate
-
 
 def estimate_of(
     flag: str, words: str, unit: str = "", *, read: Callable[[str], float] | None = None, **limits: Any
-) -> Callable[..., "Estimate | None"]:
+) -> Callable[..., "fp.Estimate | None"]:
     """Return a function of a flag and its standard uncertainty, for `takes`, which returns the two as one.
 
     Text is read by a function where it is not a finite number.
     """
     name = flag[2:].replace("-", "_")
 
-    def make(**given: Any) -> "Estimate | None":
+    def make(**given: Any) -> "fp.Estimate | None":
         value, std = given[name], given[f"{name}_std"]
         if not std >= 0 or (std and value is None):
             raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
         if value is None:
             return None
-        from fingerpad.estimate import Estimate
-
-        return Estimate.symmetric(value if read is None else read(value), std)
+        return fp.Estimate.symmetric(value if read is None else read(value), std)
 
     kind = str if read else float
     own = Annotated[kind | None, Option(help=words, **limits)]  # type: ignore[valid-type]
@@ -80,7 +76,7 @@ def fit(
     *,
     column: options.Columns = None,
     poisson_ratio: Annotated[float, Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")] = 0.5,
-    loading_radius: "Estimate | None",
+    loading_radius: "fp.Estimate | None",
     cycle: Annotated[int, Option(min=0, help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
         str, Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law.")
@@ -88,9 +84,9 @@ def fit(
     load_range_n: Annotated[
         str | None, Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
-    stage_compliance: "Estimate | None",
-    area_delay: "Estimate | None",
-    thickness: "Estimate | None",
+    stage_compliance: "fp.Estimate | None",
+    area_delay: "fp.Estimate | None",
+    thickness: "fp.Estimate | None",
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
         Option(help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too."),
@@ -113,7 +109,7 @@ def fit(
             help="Relative, of all areas alike, as of their scale; 0.02 for the layer if not given.",
         ),
     ] = None,
-    constraint: "Estimate | None",
+    constraint: "fp.Estimate | None",
     law: Annotated[
         str | None,
         Option(
@@ -132,8 +128,7 @@ def fit(
     tissue over bone, and compared with a half-space.
     """
     from fingerpad._columns import columns_named_by
-    from fingerpad.flags import flags_in
-    from fingerpad.loading import fit_adhesion, fit_layer_thickness, fit_loading_curve, read_loading_curve
+    from fingerpad.loading import fit_adhesion, fit_layer_thickness
     from fingerpad.loading.curve import unread_curve_columns
     from fingerpad.loading.law_registry import find_law
 
@@ -147,7 +142,7 @@ def fit(
         )
     columns = options.columns_of(column, "time", "force", "displacement", "area")
     with columns_named_by(options.column_flags):
-        record = read_loading_curve(curve, columns)
+        record = fp.read_loading_curve(curve, columns)
     for doubt in unit_doubts(record.load, record.indentation, record.area):
         show.note(doubt)
     options.note_unread(unread_curve_columns(curve, columns))
@@ -160,7 +155,7 @@ def fit(
         "thickness": thickness,
     }
     try:
-        found = fit_loading_curve(record, law=law, **of_half_space, **asked)
+        found = fp.fit_loading_curve(record, law=law, **of_half_space, **asked)
     except FitError as error:
         # An adhesive law does not need the way in.
         if thickness is not None or law is None or find_law(law).pull_off is None:
@@ -186,10 +181,7 @@ def fit(
             load_relative_std=load_relative_std,
             **given,
         )
-        lines += [f"layer: {layer.conclusion}", f"modulus: {layer.advice}"]
-        for flag in flags_in(layer.notes, "curve", notes=layer.notes):
-            lines.append(f"flag {flag.code}: of the layer, {flag.words}. To do: {flag.to_do}.")
-        lines.append("")
+        lines += [layer.report(), ""]
         shown["layer"] = layer.as_record()
     if plot is not None:
         from fingerpad._files import make_folder

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 from typer import Argument, Option
 
+import fingerpad as fp
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Group
 from fingerpad.cli.scale import WAYS, scale_of_flags
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
-    from fingerpad.image import Scale
     from fingerpad.study.imports.ellipses import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(
@@ -76,7 +76,7 @@ def import_fiji(
     rows: "Callable[..., list[ManualObservation]]",
     out: Annotated[Path, Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
     as_json: options.AsJson = False,
-    scale: "Scale | None" = None,
+    scale: "fp.Scale | None" = None,
 ) -> None:
     """Turn ellipses measured manually in Fiji or ImageJ into observations of a study.
 
@@ -105,7 +105,7 @@ def _write(
     show.result([row.as_record() for row in rows], as_json, lambda _: _print_outcome(out, rows))
 
 
-def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:
+def _mm_per_unit(files: list[Path], unit: str | None, scale: "fp.Scale | None") -> float:
     from fingerpad.study.imports.fiji import is_roi_file
 
     rois = [path for path in files if is_roi_file(path)]

@@ -4,11 +4,12 @@ import itertools
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias, TypeVar
+from typing import Annotated, Any, Final, Literal, TypeAlias, TypeVar
 
 import typer
 from typer import Argument, Option
 
+from fingerpad import image
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad._rounding import value_with_uncertainty
@@ -16,17 +17,6 @@ from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit, Group
 from fingerpad.cli.scale import WAYS, numbers_of, scale_of_flags
 from fingerpad.exceptions import CalibrationError, ImageError, LoadingError, reason_of
-
-if TYPE_CHECKING:
-    from fingerpad.image import (
-        ContactImageOptions,
-        ForceSignal,
-        FrameClock,
-        FrameResult,
-        Frames,
-        Picture,
-        Scale,
-    )
 
 Item = TypeVar("Item")
 Side: TypeAlias = Literal["up", "down", "left", "right"]
@@ -59,24 +49,22 @@ def contact_options(
     ] = None,
     threshold: Annotated[
         float | None,
-        Option(
-            min=1e-6, max=65535, help="Grey levels from background to ridge, instead of half the contrast."
+        options.positive(
+            "Grey levels from background to ridge, instead of half the contrast.", min=1e-6, max=65535
         ),
     ] = None,
     mask: Annotated[
         Path | None, Option(help="CSV of corners round the contact, with the header row_px,column_px.")
     ] = None,
     roi_px: Roi = None,
-) -> "ContactImageOptions":
+) -> "image.ContactImageOptions":
     """Return how a contact image is measured."""
-    from fingerpad.image import read_colour_image, read_image, read_marks
-
-    options.require_positive("--threshold", threshold)
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
     ground = None
     if background is not None:
-        ground = read_colour_image(background) if surface == "smooth" else read_image(background).pixels
-    corners = None if mask is None else read_marks(mask)
+        smooth = surface == "smooth"
+        ground = image.read_colour_image(background) if smooth else image.read_image(background).pixels
+    corners = None if mask is None else image.read_marks(mask)
     if corners is not None and len(corners) < 3:
         raise ImageError(f"{mask}: a mask needs three corners or more, found {len(corners)}")
     return {
@@ -103,10 +91,10 @@ def _region_of(text: str | None) -> tuple[int, int, int, int] | None:
 def measure_prints(
     *,
     images: Annotated[list[Path], Argument(help="Contact images.", show_default=False)],
-    settings: "ContactImageOptions",
+    settings: "image.ContactImageOptions",
     overlay_dir: Overlay = None,
     as_json: options.AsJson = False,
-    scale: "Scale | None",
+    scale: "image.Scale | None",
 ) -> None:
     """Measure the contact region and its ellipse in fingerprint images.
 
@@ -114,20 +102,19 @@ def measure_prints(
     ridge_area that of the ridges in it; ellipse_iou says how well the ellipse fits the region, 1 being best.
     Contacts without ridges, of silicone or a gel, take --surface smooth; what concerns ridges is then empty.
     """
-    from fingerpad.image import measure_contact_image, read_colour_image, read_image, write_overlay
     from fingerpad.image.scale import other_resolution
 
     overlays = _overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
-        picture = read_image(path)
+        picture = image.read_image(path)
         used = scale or _stated_scale(path, picture)
         if words := other_resolution(picture.dots_per_inch, used.mm_per_px):
             show.note(f"{path}: the file {words}")
-        pixels = read_colour_image(path) if settings["surface"] == "smooth" else picture.pixels
-        contact_image = measure_contact_image(pixels, used, **settings)
+        pixels = image.read_colour_image(path) if settings["surface"] == "smooth" else picture.pixels
+        contact_image = image.measure_contact_image(pixels, used, **settings)
         if path in overlays:
-            write_overlay(overlays[path], picture.pixels, contact_image)
+            image.write_overlay(overlays[path], picture.pixels, contact_image)
         return {
             "mm_per_px": used.mm_per_px,
             "mm_per_px_std": used.mm_per_px_std,
@@ -148,11 +135,9 @@ def measure_prints(
         raise typer.Exit(Exit.SOME_FAILED)
 
 
-def _stated_scale(path: Path, picture: "Picture") -> "Scale":
-    from fingerpad.image import Scale
-
+def _stated_scale(path: Path, picture: "image.Picture") -> "image.Scale":
     try:
-        return Scale.of_picture(picture)
+        return image.Scale.of_picture(picture)
     except CalibrationError as error:
         raise CalibrationError(f"{path}: give {WAYS} ({error})") from error
 
@@ -161,7 +146,7 @@ def _stated_scale(path: Path, picture: "Picture") -> "Scale":
 @options.takes(scale=scale_of_flags)
 def measure_photo(
     *,
-    image: Annotated[Path, Argument(help="Photograph of one face.", show_default=False)],
+    file: Annotated[Path, Argument(metavar="image", help="Photograph of one face.", show_default=False)],
     face: Annotated[
         Literal["palmar", "distal", "radial", "ulnar"], Option(help="Face that looks at the camera.")
     ],
@@ -175,35 +160,23 @@ def measure_photo(
     ] = None,
     overlay_dir: Overlay = None,
     as_json: options.AsJson = False,
-    scale: "Scale | None",
+    scale: "image.Scale | None",
 ) -> None:
     """Measure two semi-axes of the pad in a photograph of a finger before a plain backdrop."""
-    from fingerpad.image import measure_photograph, read_colour_image, read_marks, write_overlay
-
     if scale is None:
         raise CalibrationError(f"photographs need a scale: give {WAYS}")
     window = _region_of(roi_px)
-    marks = None if points is None else read_marks(points)
-    overlays = _overlay_files([image], overlay_dir)
+    marks = None if points is None else image.read_marks(points)
+    overlays = _overlay_files([file], overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
-        pixels = read_colour_image(path)
-        found = measure_photograph(
+        pixels = image.read_colour_image(path)
+        found = image.measure_photograph(
             pixels, face, scale, tip=tip, palmar=palmar, region_of_interest=window, points=marks
         )
         if path in overlays:
-            write_overlay(overlays[path], pixels, found)
-        return {
-            "semi_axes_mm": found.semi_axes_mm,
-            "semi_axes_mm_std": found.semi_axes_mm_std,
-            "uncertainty_mm_std": found.uncertainty_mm_std,
-            "arc_deg": found.arc_deg,
-            "exponent": found.exponent,
-            "exponent_std": found.exponent_std,
-            "radii": found.side_radii(),
-            "outlier_fraction": found.outlier_fraction,
-            "flags": sorted(found.flags),
-        }
+            image.write_overlay(overlays[path], pixels, found)
+        return found.as_record()
 
     def print_block(record: dict[str, Any]) -> None:
         # By term it would fill the screen.
@@ -211,7 +184,7 @@ def measure_photo(
         _print_if_exact(None if "error" in record else scale.mm_per_px_std)
         show.flags(record, "photograph", "scale")
 
-    record = _record_of(image, measured)
+    record = _record_of(file, measured)
     show.result(record, as_json, print_block)
     show.folder("Overlays", overlay_dir, as_json)
     if "error" in record:
@@ -234,10 +207,10 @@ def measure_frames(
         Option(help="Load, N, that the force passes in the first-contact frame: aligns the two."),
     ] = None,
     times: Annotated[Path | None, Option(help="CSV of the frames' own times, time_s.")] = None,
-    settings: "ContactImageOptions",
+    settings: "image.ContactImageOptions",
     overlay_dir: Overlay = None,
     as_json: options.AsJson = False,
-    scale: "Scale | None",
+    scale: "image.Scale | None",
 ) -> None:
     """Measure the contact in every frame of a sequence, against time and force.
 
@@ -249,25 +222,17 @@ def measure_frames(
     the background where none is given.
     """
     from fingerpad._columns import columns_named_by
-    from fingerpad.image import (
-        FrameResult,
-        measure_sequence,
-        open_frames,
-        read_force_signal,
-        sequence_summary,
-        write_overlay,
-    )
     from fingerpad.image.sequence.force import unread_force_columns
 
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
-    frames = open_frames(path)
+    frames = image.open_frames(path)
     columns = options.columns_of(column, "time", "force", "trigger", "displacement", _FRAME_TIME)
     frame_time = columns.pop(_FRAME_TIME, None)
     if columns and force is None:
         raise LoadingError("--column names columns of --force: give it too")
     with columns_named_by(options.column_flags):
-        signal = None if force is None else read_force_signal(force, columns)
+        signal = None if force is None else image.read_force_signal(force, columns)
     clock = _clock(frames, frames_per_second, signal, start_s, contact_load_n, times, frame_time)
     options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
@@ -276,11 +241,11 @@ def measure_frames(
     def draw(index: int, pixels: Any, contact_image: Any) -> None:
         if overlay_dir is not None:
             file = overlay_dir / f"frame_{index:06d}.png"
-            write_overlay(file, pixels, contact_image, label=f"frame {index}")
+            image.write_overlay(file, pixels, contact_image, label=f"frame {index}")
 
-    results = measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **settings)
-    shown = _printed(_tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
-    summary = sequence_summary(shown, signal, frames=frames, clock=clock)
+    results = image.measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **settings)
+    shown = _printed(_tracked(results, len(frames)), as_json, image.FrameResult.as_record, _print_frame)
+    summary = image.sequence_summary(shown, signal, frames=frames, clock=clock)
     if not as_json:
         _print_if_exact(scale.mm_per_px_std)
     show.folder("Overlays", overlay_dir, as_json)
@@ -290,7 +255,7 @@ def measure_frames(
         raise typer.Exit(Exit.SOME_FAILED)
 
 
-def _print_frame(result: "FrameResult") -> None:
+def _print_frame(result: "image.FrameResult") -> None:
     record = result.as_record()
     seen, area = record.get("error"), record.get("gross_area_mm2")
     if area is not None:
@@ -299,17 +264,16 @@ def _print_frame(result: "FrameResult") -> None:
 
 
 def _clock(
-    frames: "Frames",
+    frames: "image.Frames",
     frames_per_second: float | None,
-    signal: "ForceSignal | None",
+    signal: "image.ForceSignal | None",
     start_s: float | None,
     contact_load: float | None,
     times: Path | None,
     frame_time: str | None,
-) -> "FrameClock | None":
+) -> "image.FrameClock | None":
     """Return the frames' clock, or None where no rate is known."""
     from fingerpad._columns import columns_named_by
-    from fingerpad.image import frame_clock, read_frame_stamps
 
     aligned = {
         "--frames-per-second": frames_per_second,
@@ -321,12 +285,12 @@ def _clock(
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
         with columns_named_by(lambda found: options.column_flags({_FRAME_TIME: found["time"]})):
-            return read_frame_stamps(times, None if frame_time is None else {"time": frame_time})
+            return image.read_frame_stamps(times, None if frame_time is None else {"time": frame_time})
     if frame_time is not None:
         raise LoadingError(f"--column {_FRAME_TIME}=NAME:UNIT names the column of --times: give it too")
     rate = frames.frames_per_second if frames_per_second is None else frames_per_second
     if rate is not None:
-        return frame_clock(
+        return image.frame_clock(
             rate, signal, start_time=start_s, contact_load=contact_load, numbers=frames.numbers
         )
     if signal is not None:

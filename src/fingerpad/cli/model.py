@@ -10,6 +10,7 @@ import numpy as np
 import typer
 from typer import Option
 
+import fingerpad as fp
 from fingerpad._files import make_folder
 from fingerpad._json import plain
 from fingerpad._plausible import load_doubts
@@ -19,8 +20,7 @@ from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
-    from fingerpad.contact import Contact, ContactField, Tissue
-    from fingerpad.geometry import Placement
+    from fingerpad.contact import ContactField
     from fingerpad.published import AuditItem
 
 # Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
@@ -37,22 +37,20 @@ _FIELD_COLUMNS: Final = {
     "strain_zz": "strain_zz",
 }
 
-Load: TypeAlias = Annotated[float | None, Option(help="Normal force, N.")]
-Area: TypeAlias = Annotated[float | None, Option(help="Contact area, mm², instead of --load-n.")]
-Indentation: TypeAlias = Annotated[float | None, Option(help="Indentation, mm, instead of --load-n.")]
+Load: TypeAlias = Annotated[float | None, options.positive("Normal force, N.")]
+Area: TypeAlias = Annotated[float | None, options.positive("Contact area, mm², instead of --load-n.")]
+Indentation: TypeAlias = Annotated[float | None, options.positive("Indentation, mm, instead of --load-n.")]
 Grid: TypeAlias = Annotated[int, Option(min=64, max=1024, help="Grid cells along each side.")]
 _FLAGS: Final = {"load": "--load-n", "area": "--area-mm2", "indentation": "--indentation-mm"}
 _ROUND: Final = 1.001  # aspect ratio below which an ellipse has no direction
 
 
 def only_one(**given: float | None) -> dict[str, float]:
-    """Return which of load, area and indentation is given: exactly one must be, with a positive value."""
+    """Return which of load, area and indentation is given: exactly one must be."""
     found = {name: value for name, value in given.items() if value is not None}
     if len(found) != 1:
         *most, last = (_FLAGS[name] for name in given)
         raise typer.BadParameter(f"give exactly one of {', '.join(most)} and {last}")
-    for name, value in found.items():
-        options.require_positive(_FLAGS[name], value)
     return found
 
 
@@ -63,7 +61,7 @@ def pressed_of(
     return only_one(load=load_n, area=area_mm2, indentation=indentation_mm)
 
 
-def pressed_record(contact: "Contact") -> dict[str, Any]:
+def pressed_record(contact: "fp.Contact") -> dict[str, Any]:
     """Return how a pad is pressed."""
     return {
         "load_N": contact.load,
@@ -73,7 +71,7 @@ def pressed_record(contact: "Contact") -> dict[str, Any]:
     }
 
 
-def contact_record(contact: "Contact") -> dict[str, Any]:
+def contact_record(contact: "fp.Contact") -> dict[str, Any]:
     """Return one contact, in mm, N and kPa; the long axis lies along either direction of a near-circle."""
     along = "either" if contact.aspect_ratio < _ROUND else "first" if contact.along else "second"
     return {
@@ -117,7 +115,7 @@ def print_if_too_large(size: float) -> None:
 
 
 @options.takes(placement=options.placement_of)
-def geometry(*, placement: "Placement", as_json: options.AsJson = False) -> None:
+def geometry(*, placement: "fp.Placement", as_json: options.AsJson = False) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there.
 
     u and v are the parametric angles of the place of contact. The in-plane radius is that along the finger,
@@ -142,8 +140,8 @@ def geometry(*, placement: "Placement", as_json: options.AsJson = False) -> None
 
 
 def hertz(
-    radii_mm: Annotated[tuple[float, float], Option(help="Relative principal radii of curvature, mm.")],
-    reduced_modulus_kpa: Annotated[float, Option(help="Reduced modulus E*, kPa.")],
+    radii_mm: Annotated[tuple[float, float], options.positive("Relative principal radii of curvature, mm.")],
+    reduced_modulus_kpa: Annotated[float, options.positive("Reduced modulus E*, kPa.")],
     load_n: Load = None,
     indentation_mm: Indentation = None,
     thickness_mm: options.Thickness = None,
@@ -156,15 +154,11 @@ def hertz(
 
     With a thickness, also the contact of the same paraboloid on a layer of tissue over bone, by fast laws.
     """
-    from fingerpad.contact import Tissue, fast_contact, hertz_contact, indentation_factor, size_factor
-    from fingerpad.geometry import Paraboloid
+    from fingerpad.contact import indentation_factor, size_factor
 
     pressed = only_one(load=load_n, indentation=indentation_mm)
-    options.require_positive("--reduced-modulus-kpa", reduced_modulus_kpa)
-    options.require_positive("--thickness-mm", thickness_mm)
-    options.require_positive("--radii-mm", *radii_mm)
-    bodies, modulus = Paraboloid(*radii_mm), reduced_modulus_kpa / KPA_PER_MPA
-    contact = hertz_contact(bodies, Tissue.of_reduced_modulus(modulus), **pressed)
+    bodies, modulus = fp.Paraboloid(*radii_mm), reduced_modulus_kpa / KPA_PER_MPA
+    contact = fp.hertz_contact(bodies, fp.Tissue.of_reduced_modulus(modulus), **pressed)
     size = math.sqrt(contact.semi_major * contact.semi_minor / math.prod(radii_mm))
     record = {
         **contact_record(contact),
@@ -175,8 +169,8 @@ def hertz(
         "contact_size": size,
     }
     if thickness_mm is not None:
-        layer = Tissue.of_reduced_modulus(modulus, poisson_ratio, thickness_mm)
-        on_layer = fast_contact(bodies, layer, **pressed)
+        layer = fp.Tissue.of_reduced_modulus(modulus, poisson_ratio, thickness_mm)
+        on_layer = fp.fast_contact(bodies, layer, **pressed)
         flag = str(on_layer.flags)
         record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
     show.result(record, as_json)
@@ -187,12 +181,14 @@ def hertz(
 @options.takes(placement=options.placement_of)
 def modulus(
     *,
-    placement: "Placement",
-    load_n: Annotated[float, Option(help="Normal force, N.")],
+    placement: "fp.Placement",
+    load_n: Annotated[float, options.positive("Normal force, N.")],
     poisson_ratio: options.PoissonRatio = 0.5,
     thickness_mm: options.Thickness = None,
-    area_mm2: Annotated[float | None, Option(help="Contact area, mm².")] = None,
-    indentation_mm: Annotated[float | None, Option(help="Indentation, mm, instead of --area-mm2.")] = None,
+    area_mm2: Annotated[float | None, options.positive("Contact area, mm².")] = None,
+    indentation_mm: Annotated[
+        float | None, options.positive("Indentation, mm, instead of --area-mm2.")
+    ] = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Find Young's modulus from a load and the contact area or the indentation.
@@ -202,13 +198,10 @@ def modulus(
     """
     from fingerpad.contact.contact import from_reduced_modulus
     from fingerpad.contact.fast_laws import find_modulus, plate_gap
-    from fingerpad.geometry import Paraboloid
 
     given = {"load": load_n, **only_one(area=area_mm2, indentation=indentation_mm)}
-    options.require_positive("--load-n", load_n)
-    options.require_positive("--thickness-mm", thickness_mm)
     gap = plate_gap(placement)
-    paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
+    paraboloid = plate_gap(fp.Paraboloid(gap.first_radius, gap.second_radius))
     records, flag = [], ""
     for of, thickness in ((paraboloid, None), (gap, thickness_mm)):
         reduced, contact = find_modulus(of, **given, thickness=thickness, poisson_ratio=poisson_ratio)
@@ -237,8 +230,8 @@ def modulus(
 @options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)
 def solve(
     *,
-    placement: "Placement",
-    tissue: "Tissue",
+    placement: "fp.Placement",
+    tissue: "fp.Tissue",
     pressed: dict[str, float],
     grid: Grid = 256,
     as_json: options.AsJson = False,
@@ -250,17 +243,16 @@ def solve(
     says where it ignores a thickness that matters. The long axis lies along the first principal
     direction, the one nearer to the finger's axis, along the second, or along either.
     """
-    from fingerpad.contact import fast_contact, hertz_contact, solve_contact
     from fingerpad.contact.fast_laws import ERROR_OF_BOTH, ERROR_OF_PAD
 
     try:
-        solved = solve_contact(placement, tissue, **pressed, points=grid)
+        solved = fp.solve_contact(placement, tissue, **pressed, points=grid)
     except (ConvergenceError, GeometryError) as error:
         way_out = "; try another --grid" if isinstance(error, ConvergenceError) else ""
         ((name, value),) = pressed.items()
         raise type(error)(f"{_FLAGS[name]} {value:g}: {error}{way_out}") from None
-    fast = fast_contact(placement, tissue, **pressed)
-    by_hertz = hertz_contact(placement, tissue, **pressed)
+    fast = fp.fast_contact(placement, tissue, **pressed)
+    by_hertz = fp.hertz_contact(placement, tissue, **pressed)
     error_of_laws = None if str(fast.flags) else ERROR_OF_PAD if tissue.is_deep else ERROR_OF_BOTH
     departure = max(
         abs(getattr(by_hertz, name) / getattr(solved, name) - 1) for name in ("load", "area", "indentation")
@@ -285,8 +277,8 @@ def _print_solved(record: Mapping[str, Any]) -> None:
 @options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)
 def fields(
     *,
-    placement: "Placement",
-    tissue: "Tissue",
+    placement: "fp.Placement",
+    tissue: "fp.Tissue",
     pressed: dict[str, float],
     depth_mm: Annotated[
         list[float] | None,
@@ -307,11 +299,11 @@ def fields(
     In names of components x is along the finger, y across, z into the tissue; tension is positive. Hertz
     theory is that of a half-space, under the same load, area or indentation.
     """
-    from fingerpad.contact import ContactField, solve_contact
+    from fingerpad.contact import ContactField
 
     depths = _depths(depth_mm, float(tissue.thickness))
     by_hertz = ContactField.of_hertz(placement, tissue, **pressed)
-    solved = ContactField.of_solution(solve_contact(placement, tissue, **pressed, points=grid))
+    solved = ContactField.of_solution(fp.solve_contact(placement, tissue, **pressed, points=grid))
     record = _field_record(solved, depths) | {
         "thickness_mm": None if tissue.is_deep else tissue.thickness,
         "hertz": _field_record(by_hertz, depths),
@@ -380,9 +372,9 @@ def _print_fields(record: dict[str, Any]) -> None:
 
 def correct(
     ellipse_mm: Annotated[
-        tuple[float, float], Option(help="Semi-major and semi-minor axis of the contact, mm.")
+        tuple[float, float], options.positive("Semi-major and semi-minor axis of the contact, mm.")
     ],
-    radius_mm: Annotated[float, Option(help="Radius of curvature of the undeformed pad, mm.")],
+    radius_mm: Annotated[float, options.positive("Radius of curvature of the undeformed pad, mm.")],
     as_json: options.AsJson = False,
 ) -> None:
     """Correct a radius of curvature for the observed contact ellipse.
@@ -394,11 +386,8 @@ def correct(
     and F2 the factors of Hertz theory. With uncertainties: `fingerpad run`.
     """
     from fingerpad import contact
-    from fingerpad.geometry import Ellipse
 
-    options.require_positive("--ellipse-mm", *ellipse_mm)
-    observed = Ellipse(*ellipse_mm)
-    options.require_positive("--radius-mm", radius_mm)
+    observed = fp.Ellipse(*ellipse_mm)
     k = observed.axis_ratio
     first, b, d = contact.complete_integrals(k)
     record = {

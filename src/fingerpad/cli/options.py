@@ -5,18 +5,29 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from inspect import Parameter, signature
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
-from typer import Option
+from typer import CallbackParam, Option
 
+import fingerpad as fp
 from fingerpad._plausible import in_radians, semi_axes_doubt
 from fingerpad.cli import show
 from fingerpad.exceptions import GeometryError, LoadingError
 from fingerpad.units import KPA_PER_MPA
 
-if TYPE_CHECKING:
-    from fingerpad.contact import Tissue
-    from fingerpad.geometry import Placement
+
+def positive(words: str, **settings: Any) -> Any:
+    """Return an option whose value, if it is given, must be positive and finite."""
+    return Option(help=words, callback=_require_positive, **settings)
+
+
+def _require_positive(flag: CallbackParam, value: Any) -> Any:
+    """Refuse a value that is given but not positive and finite."""
+    for number in value if isinstance(value, tuple) else (value,):
+        if number is not None and not 0 < number < math.inf:
+            raise GeometryError(f"{flag.opts[0]} must be positive and finite, found {number:g}")
+    return value
+
 
 AsJson: TypeAlias = Annotated[bool, Option("--json", help="Print one JSON document instead of text.")]
 Columns: TypeAlias = Annotated[
@@ -27,7 +38,7 @@ Columns: TypeAlias = Annotated[
 # A pad on its wedge, and how it is pressed.
 SemiAxes: TypeAlias = Annotated[
     tuple[float, float, float],
-    Option(help="Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."),
+    positive("Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."),
 ]
 WedgeAngle: TypeAlias = Annotated[
     float, Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
@@ -35,9 +46,9 @@ WedgeAngle: TypeAlias = Annotated[
 RollAngle: TypeAlias = Annotated[
     float, Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
 ]
-YoungsModulus: TypeAlias = Annotated[float, Option(help="Young's modulus E of the tissue, kPa.")]
+YoungsModulus: TypeAlias = Annotated[float, positive("Young's modulus E of the tissue, kPa.")]
 Thickness: TypeAlias = Annotated[
-    float | None, Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space")
+    float | None, positive("Effective thickness of the tissue over bone, mm.", show_default="half-space")
 ]
 PoissonRatio: TypeAlias = Annotated[float, Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")]
 
@@ -68,28 +79,23 @@ def takes(**groups: Callable[..., Any]) -> Callable[[Callable[..., None]], Calla
     return with_groups
 
 
-def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: RollAngle = 0.0) -> "Placement":
-    """Return the pad of ``--semi-axes-mm``, each of which must be positive, on its wedge."""
-    from fingerpad.geometry import Ellipsoid, Placement
-
+def placement_of(
+    *, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: RollAngle = 0.0
+) -> "fp.Placement":
+    """Return the pad of ``--semi-axes-mm`` on its wedge."""
     if in_radians(wedge_deg):
         show.note("--wedge-deg: less than 1.6°: angles are in degrees, not radians")
-    require_positive("--semi-axes-mm", *semi_axes_mm)
     if doubt := semi_axes_doubt(semi_axes_mm):
         show.note(f"--semi-axes-mm: {doubt}")
     wedge, roll = math.radians(wedge_deg), math.radians(roll_deg)
-    return Placement(Ellipsoid(*semi_axes_mm), wedge_angle=wedge, roll_angle=roll)
+    return fp.Placement(fp.Ellipsoid(*semi_axes_mm), wedge_angle=wedge, roll_angle=roll)
 
 
 def tissue_of(
     *, youngs_modulus_kpa: YoungsModulus, poisson_ratio: PoissonRatio = 0.5, thickness_mm: Thickness = None
-) -> "Tissue":
+) -> "fp.Tissue":
     """Return the tissue of ``--youngs-modulus-kpa`` and its other options, in MPa and mm."""
-    from fingerpad.contact import Tissue
-
-    require_positive("--youngs-modulus-kpa", youngs_modulus_kpa)
-    require_positive("--thickness-mm", thickness_mm)
-    return Tissue(
+    return fp.Tissue(
         youngs_modulus=youngs_modulus_kpa / KPA_PER_MPA,
         poisson_ratio=poisson_ratio,
         thickness=math.inf if thickness_mm is None else thickness_mm,
@@ -118,10 +124,3 @@ def note_unread(columns: Mapping[str, Sequence[str]]) -> None:
 
     for words in unread_notes(columns, lambda name, column: f": {column_flags({name: column})}"):
         show.note(words)
-
-
-def require_positive(flag: str, *values: float | None) -> None:
-    """Refuse a value that is given but not positive and finite."""
-    for value in values:
-        if value is not None and not (value > 0 and math.isfinite(value)):
-            raise GeometryError(f"{flag} must be positive and finite, found {value:g}")

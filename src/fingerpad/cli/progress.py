@@ -55,10 +55,6 @@ class ProgressDisplay:
         """Say that the run has ended."""
         self._bar.update(self._task, description="Done", rate="")
 
-    def hide(self) -> None:
-        """Remove the bar of a run that an error ended, which is printed in its place."""
-        self._bar.live.transient = True
-
 
 def _words(progress: "Progress") -> str:
     if progress.status == "checked":
@@ -93,7 +89,7 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
                 yield display
                 display.finish()
             except FingerpadError:
-                display.hide()
+                bar.live.transient = True  # the error is printed in place of the bar
                 raise
     finally:
         if file is not None:

@@ -1,18 +1,14 @@
 """Commands on the results of finished runs: compare them, draw their figures, write their tables."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 from typer import Argument, Option
 
-from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
-
-if TYPE_CHECKING:
-    from fingerpad.study.compare import Comparison, Mean, ValidityVerdict, Value
 
 
 def compare(
@@ -30,6 +26,7 @@ def compare(
     Means are over people at each placement: several fingers of one person (the manifest's key person) count
     as one person. Synthetic and real fingers are never in one mean.
     """
+    from fingerpad.report.terminal import comparison_lines
     from fingerpad.study.compare import compare_studies, write_comparison
 
     found = compare_studies(studies)
@@ -39,61 +36,8 @@ def compare(
 
         write_comparison(found, out)
         page = write_comparison_page(found, out)
-    show.result(found.as_record(), as_json, lambda _: _print_comparison(found))
+    show.result(found.as_record(), as_json, lambda _: typer.echo("\n".join(comparison_lines(found))))
     show.folder("Page", page, as_json)
-
-
-def _print_comparison(found: "Comparison") -> None:
-    from fingerpad.study.compare import QUANTITIES
-
-    for name, kind in QUANTITIES.items():
-        values, means = found.of(name)
-        if values:
-            typer.echo(f"{name}: {kind.words}")
-            over_people = (_mean_line(mean) for mean in means if len(mean.people) > 1)
-            show.rows([*map(_value_line, values), *over_people], "  ")
-    if found.verdicts:
-        typer.echo("validity: whether the model holds, and which checks say so")
-        verdicts = ((_who(v), _place(v), v.model, v.verdict, ", ".join(v.checks)) for v in found.verdicts)
-        show.rows(verdicts, "  ")
-    for note in found.notes:
-        typer.echo(f"note: {note}")
-
-
-def _who(value: "Value | ValidityVerdict") -> str:
-    return f"{value.person.name}, {value.finger}{'  (synthetic)' if value.synthetic else ''}"
-
-
-def _place(item: "Value | Mean | ValidityVerdict") -> str:
-    if item.wedge_angle_deg is None:
-        return ""
-    return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")
-
-
-def _words(quantity: str, value: float, std: float) -> str:
-    """Return a value with ±, or with a factor where only positive values make sense."""
-    from fingerpad.study.compare import QUANTITIES
-
-    known = QUANTITIES[quantity]
-    return (positive_with_uncertainty if known.positive else value_with_uncertainty)(value, std)
-
-
-def _value_line(value: "Value") -> tuple[str, str, str]:
-    text = _words(value.quantity, value.value, value.std)
-    if value.load > 0:
-        text = f"{text} at {value.load:.3g} N"
-    return _who(value), _place(value), f"{text} ({value.verdict})" if value.verdict else text
-
-
-def _mean_line(mean: "Mean") -> tuple[str, str, str]:
-    low, high = mean.interval or (float("nan"), float("nan"))
-    text = (
-        f"{_words(mean.quantity, mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
-        f"between people {mean.between_people_std:.2g}"
-    )
-    label = "  (synthetic)" if mean.synthetic else ""
-    at = "" if mean.load is None else f" at {mean.load:g} N"
-    return f"mean of {len(mean.people)} people{at}{label}", _place(mean), text
 
 
 def figure(

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 from typer import Option
 
+import fingerpad as fp
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.flags import flags_in
-
-if TYPE_CHECKING:
-    from fingerpad.image import Scale
 
 # No picture has so many rows or columns; NaN is not below it.
 _MOST_PX: Final = 1e9
@@ -68,7 +66,7 @@ def numbers_of(flag: str, text: str, count: int) -> list[float]:
     return numbers
 
 
-def scale_of_flags(**values: Any) -> "Scale | None":
+def scale_of_flags(**values: Any) -> "fp.Scale | None":
     """Return the scale that the flags give, None for none."""
     given = {flag: value for flag, value in zip(_FLAGS, values.values(), strict=True) if value is not None}
     ways = [way for way in _WAYS if way in given]
@@ -97,7 +95,7 @@ def _flags_of(way: str) -> list[str]:
     return [flag for flag in _FLAGS if flag == way or flag.startswith(_WAYS[way])]
 
 
-def _measured(way: str, given: Mapping[str, Any]) -> "Scale":
+def _measured(way: str, given: Mapping[str, Any]) -> "fp.Scale":
     """Return the scale that a way means, checked and measured as that of a manifest."""
     from pydantic import TypeAdapter
 

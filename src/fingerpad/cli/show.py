@@ -6,6 +6,7 @@ from typing import Any
 
 import typer
 
+from fingerpad._display import aligned
 from fingerpad._json import dumps, plain
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.flags import Flagged, flags_in
@@ -48,13 +49,9 @@ def text(record: Mapping[str, Any]) -> None:
     rows(shown.items())
 
 
-def rows(lines: Iterable[Sequence[str]], indent: str = "") -> None:
+def rows(lines: Iterable[Sequence[str]]) -> None:
     """Print lines of cells with their columns below each other."""
-    lines = list(lines)
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        cells = (f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True))
-        typer.echo(indent + "  ".join(cells).rstrip())
+    typer.echo("\n".join(aligned(lines)))
 
 
 def flags(record: Mapping[str, Any], *kinds: Flagged) -> None:

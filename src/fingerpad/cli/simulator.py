@@ -8,12 +8,14 @@ import numpy as np
 import typer
 from typer import Argument, Option
 
+import fingerpad as fp
 from fingerpad.cli import options, show
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
-    from fingerpad.simulator import SimulatorLaw
+    from fingerpad.simulator import FiniteElements, MujocoContact, SimulatorLaw
+    from fingerpad.simulator.targets import Target
 
 _SHOWN = 6  # rows of the table on the terminal
 
@@ -27,10 +29,10 @@ def simulator(
     finger: Annotated[str | None, Option(help="Finger of that run.", show_default="its only one")] = None,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
-        Option(help="Palmar, distal and radial-ulnar semi-axes, mm.", show_default=False),
+        options.positive("Palmar, distal and radial-ulnar semi-axes, mm.", show_default=False),
     ] = None,
     youngs_modulus_kpa: Annotated[
-        float | None, Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
+        float | None, options.positive("Young's modulus E of the tissue, kPa.", show_default=False)
     ] = None,
     thickness_mm: options.Thickness = None,
     poisson_ratio: options.PoissonRatio = 0.5,
@@ -38,8 +40,8 @@ def simulator(
     load_n: Annotated[
         tuple[float, float], Option(help="Lowest and highest load of the range that matters, N.")
     ] = (0.2, 3.0),
-    mass_kg: Annotated[float, Option(help="MuJoCo's effective mass of the contact, kg.")] = 0.1,
-    damping_ratio: Annotated[float, Option(help="Damping ratio in MuJoCo; 1 is critical.")] = 1.0,
+    mass_kg: Annotated[float, options.positive("MuJoCo's effective mass of the contact, kg.")] = 0.1,
+    damping_ratio: Annotated[float, options.positive("Damping ratio in MuJoCo; 1 is critical.")] = 1.0,
     youngs_modulus_kpa_std: Annotated[float, Option(min=0, help="Standard uncertainty of E, kPa.")] = 0.0,
     thickness_mm_std: Annotated[
         float, Option(min=0, help="Standard uncertainty of the thickness, mm.")
@@ -59,10 +61,8 @@ def simulator(
     these do not hold. Each number is the one whose load is nearest over the range of loads. Of a finished run
     the pad is that of a finger, with E and thickness from its loading curve, or from its contact images.
     """
-    from fingerpad.simulator import export_finger, simulator_law
+    from fingerpad.simulator import elements_or_reason, export_finger
 
-    options.require_positive("--mass-kg", mass_kg)
-    options.require_positive("--damping-ratio", damping_ratio)
     if not 0 < load_n[0] < load_n[1]:
         raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
     source = ""
@@ -96,35 +96,35 @@ def simulator(
         source = f"{pad.source}."
         show.note(pad.source)
     try:
-        law = simulator_law(placement, tissue, load_n, stds=stds)
+        law = fp.simulator_law(placement, tissue, load_n, stds=stds)
     except GeometryError as error:
         raise GeometryError(f"--load-n {load_n[0]:g} {load_n[1]:g}: {error}") from None
     try:
-        record = _record(law, mass_kg, damping_ratio)
+        mujoco = law.mujoco(mass_kg, damping_ratio)
     except GeometryError as error:
         raise GeometryError(f"--mass-kg {mass_kg:g}: {error}") from None
-    files: tuple[Path, ...] = ()
-    if export is not None:
-        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
-    show.result(record, as_json, _print)
-    if files and not as_json:
-        typer.echo(f"Files in {export}: {', '.join(file.name for file in files)}")
-    if record["mujoco"]["flag"]:
-        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
-
-
-def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str, Any]:
-    """Return all targets, and the law as a table; a note says why there are no finite elements."""
-    from fingerpad.simulator import elements_or_reason
-
     elements, reason = elements_or_reason(law)
     if reason:
         show.note(reason)
+    files: tuple[Path, ...] = ()
+    if export is not None:
+        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
+    show.result(_record(law, mujoco, elements), as_json, lambda _: _print(law, mujoco, elements))
+    if files and not as_json:
+        typer.echo(f"Files in {export}: {', '.join(file.name for file in files)}")
+    if mujoco.flag:
+        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
+
+
+def _record(
+    law: "SimulatorLaw", mujoco: "MujocoContact", elements: "FiniteElements | None"
+) -> dict[str, Any]:
+    """Return all targets, and the law as a table."""
     return {
         "pressure_by_depth": law.pressure_by_depth().as_record(),
         "newton": law.newton_kh().as_record(),
         "drake": law.drake_modulus().as_record(),
-        "mujoco": law.mujoco(mass, damping_ratio).as_record(),
+        "mujoco": mujoco.as_record(),
         "finite_elements": elements.as_record() if elements else None,
         "table": {
             "model": law.model,
@@ -137,55 +137,44 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
     }
 
 
-def _print(record: dict[str, Any]) -> None:
+def _print(law: "SimulatorLaw", mujoco: "MujocoContact", elements: "FiniteElements | None") -> None:
     """Print the law, a line for each target, and what each assumes."""
-    table, pressure, newton, drake, mujoco, elements = (
-        record[name]
-        for name in ("table", "pressure_by_depth", "newton", "drake", "mujoco", "finite_elements")
-    )
-    depths = len(pressure["depth_m"])
-    typer.echo(f"The whole pad by the {table['model']}, which the simulators are to follow:")
-    columns = [table[key] for key in ("load_N", "indentation_mm", "area_mm2")]
-    shown = np.linspace(0, len(columns[0]) - 1, _SHOWN).round().astype(int)
-    rows = ([f"{column[place]:.4g}" for column in columns] for place in shown)
-    show.rows([("load_N", "indentation_mm", "area_mm2"), *rows])
+    pressure, newton, drake = law.pressure_by_depth(), law.newton_kh(), law.drake_modulus()
+    typer.echo(f"The whole pad by the {law.model}, which the simulators are to follow:")
+    shown = np.linspace(0, law.load.size - 1, _SHOWN).round().astype(int)
+    columns = np.column_stack([law.load, law.indentation, law.area])[shown].tolist()
+    numbers = ([f"{number:.4g}" for number in row] for row in columns)
+    show.rows([("load_N", "indentation_mm", "area_mm2"), *numbers])
     typer.echo()
     show.rows(
         [
             ("", "", "load within", "area"),
-            _line("pressure by depth", f"{depths} depths, in --json and --export", pressure),
-            _line("Newton kh", _with_std(newton, "kh_N_per_m3", "N/m³"), newton),
-            _line("Drake modulus", _with_std(drake, "hydroelastic_modulus_Pa", "Pa"), drake),
-            _line("MuJoCo solref", _numbers(mujoco["solref"]), mujoco),
-            ("MuJoCo solimp", _numbers(mujoco["solimp"]), "", ""),
+            _line("pressure by depth", f"{len(pressure.depth)} depths, in --json and --export", pressure),
+            _line("Newton kh", newton.words, newton),
+            _line("Drake modulus", drake.words, drake),
+            _line("MuJoCo solref", _numbers(mujoco.solref), mujoco),
+            ("MuJoCo solimp", _numbers(mujoco.solimp), "", ""),
         ]
     )
     typer.echo(
-        f"\nMuJoCo: steps up to {1000 * mujoco['largest_time_step_s']:.3g} ms are stable; with twice the "
-        f"effective mass solref is {_numbers(mujoco['solref_at_twice_the_mass'])}"
+        f"\nMuJoCo: steps up to {1000 * mujoco.largest_time_step:.3g} ms are stable; with twice the "
+        f"effective mass solref is {_numbers(mujoco.solref_at_twice_the_mass)}"
     )
-    assumed = {"pressure by depth, Newton": newton, "Drake": drake, "MuJoCo": mujoco}
+    assumed: dict[str, Target] = {"pressure by depth, Newton": newton, "Drake": drake, "MuJoCo": mujoco}
     if elements:
-        low, high = (elements["load_ratio"][end] for end in (0, -1))
+        low, high = elements.load_ratio[[0, -1]]
         typer.echo(
             f"Finite elements on the exported tissue carry {low:.2f} of these loads at the lowest, "
             f"{high:.2f} at the highest"
         )
         assumed["finite elements"] = elements
     for name, target in assumed.items():
-        typer.echo(f"Assumed for {name}: {target['assumes']}")
+        typer.echo(f"Assumed for {name}: {target.assumes}")
 
 
-def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str, str]:
-    factor = target["area_factor"]
-    area = "none" if math.isnan(factor) else f"× {factor:.2f}"
-    return name, value, f"{100 * target['worst_relative_error']:.2g} %", area
-
-
-def _with_std(target: dict[str, Any], name: str, unit: str) -> str:
-    from fingerpad.simulator import quantity_in_words
-
-    return quantity_in_words(target[name], target[f"{name}_std"], unit)
+def _line(name: str, value: str, target: "Target") -> tuple[str, str, str, str]:
+    area = "none" if math.isnan(target.area_factor) else f"× {target.area_factor:.2f}"
+    return name, value, f"{100 * target.worst_relative_error:.2g} %", area
 
 
 def _numbers(values: tuple[float, ...]) -> str:

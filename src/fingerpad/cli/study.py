@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 from typer import Argument, Option
 
+import fingerpad as fp
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
-    from fingerpad.study.results.study_result import StudyResult
     from fingerpad.study.status import Status, Verification
     from fingerpad.web.app import Launch
 
@@ -108,10 +108,10 @@ def run(
         bool, Option("--all-columns", help="Write also the columns that few ask for.")
     ] = False,
     time_limit_s: Annotated[
-        float, Option(help="Time that measuring one picture may take, s.")
+        float, options.positive("Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
     memory_gb: Annotated[
-        float, Option(help="Memory that measuring one picture may take, GB (enforced on Linux).")
+        float, options.positive("Memory that measuring one picture may take, GB (enforced on Linux).")
     ] = DEFAULT_LIMITS.memory_gb,
 ) -> None:
     """Run a study: measure, model, pool, and write tables, figures and a report.
@@ -122,16 +122,13 @@ def run(
     """
     from fingerpad.cli.progress import progress_display
     from fingerpad.report import write_report
+    from fingerpad.report.terminal import outcome_lines, outcome_notes
     from fingerpad.report.write import REPORT_NAME
-    from fingerpad.study.pipeline import run_study
     from fingerpad.study.results.result_set import results_folder
 
-    out = out or results_folder(study)
     with progress_display(log) as progress:
-        options.require_positive("--time-limit-s", time_limit_s)
-        options.require_positive("--memory-gb", memory_gb)
         try:
-            result = run_study(
+            result = fp.run_study(
                 study,
                 out,
                 workers=workers,
@@ -145,55 +142,22 @@ def run(
         except KeyboardInterrupt:
             show.error("interrupted; what was measured is kept: run it again to go on")
             raise typer.Exit(Exit.INTERRUPTED) from None
-    _print_outcome(result, out / REPORT_NAME)
+    for line in outcome_lines(result):
+        typer.echo(line)
+    for note in outcome_notes(result):
+        show.note(note)
+    for failure in result.failures:
+        typer.echo(f"failed: {failure}", err=True)
+    typer.echo(f"Report: {(out or results_folder(study)) / REPORT_NAME}")
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)
 
 
-def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import (
-        doubtful_results,
-        fingers_without_results,
-        implausible_values,
-        moduli_apart,
-        why_not_pooled,
-    )
-    from fingerpad.study.results.output import answers_of
-    from fingerpad.study.results.validity.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
-
-    answers = answers_of(result)
-    for summary, answer in zip(result.summaries, answers, strict=True):
-        typer.echo(answer.sentence)
-        if not summary.column("pooled").any():
-            typer.echo(f"{answer.label}: {why_not_pooled(summary)}")
-    for line in fingers_without_results(result):
-        typer.echo(line)
-    if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
-        typer.echo(
-            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%} beyond chance, "
-            f"{FAILS} where by more than {FAILS_ABOVE:.0%} far beyond it; in brackets, its largest difference"
-        )
-    for line in doubtful_results(result):
-        typer.echo(line)
-    of_sequences = (
-        f"{one.manifest.name}: {note}"
-        for one in result.sequences
-        if one.summary is not None
-        for note in one.summary.notes
-    )
-    for note in (*result.notes, *implausible_values(result), *moduli_apart(answers), *of_sequences):
-        typer.echo(f"note: {note}", err=True)
-    for failure in result.failures:
-        typer.echo(f"failed: {failure}", err=True)
-    typer.echo(f"Report: {report}")
-
-
 def status(study: Manifest, out: Out = None, as_json: options.AsJson = False) -> None:
     """Show how much of a study is measured, failed, stale or left."""
-    from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.status import study_status
 
-    found = study_status(study, out or results_folder(study))
+    found = study_status(study, out)
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     show.result(record, as_json, lambda _: _print_status(found))
     if found.faults:
@@ -216,10 +180,9 @@ def verify(study: Manifest, out: Out = None, as_json: options.AsJson = False) ->
 
     Nothing is written. The exit code is 3 where something is damaged.
     """
-    from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.status import verify_study
 
-    found = verify_study(study, out or results_folder(study))
+    found = verify_study(study, out)
     show.result(asdict(found), as_json, lambda _: _print_verified(found))
     if found.faults:
         raise typer.Exit(Exit.SOME_FAILED)

@@ -14,6 +14,7 @@ from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
+from fingerpad.flags import flags_in
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import (
     FitData,
@@ -196,6 +197,20 @@ class LayerThicknessFit(Recorded):
             notes={},
             flags=flags,
         )
+
+    def report(self) -> str:
+        """Return thickness and modulus in words, and what to do about each flag.
+
+        Returns
+        -------
+        str
+            One line each.
+        """
+        flags = (
+            f"flag {flag.code}: of the layer, {flag.words}. To do: {flag.to_do}."
+            for flag in flags_in(self.notes, "curve", notes=self.notes)
+        )
+        return "\n".join([f"layer: {self.conclusion}", f"modulus: {self.advice}", *flags])
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units; None where unknown, or infinite."""

@@ -9,7 +9,6 @@ from fingerpad.simulator.targets import (
     MujocoContact,
     NewtonStiffness,
     PressureByDepth,
-    quantity_in_words,
 )
 
 __all__ = [
@@ -22,6 +21,5 @@ __all__ = [
     "TetrahedralMesh",
     "elements_or_reason",
     "export_finger",
-    "quantity_in_words",
     "simulator_law",
 ]

@@ -22,7 +22,6 @@ from fingerpad.simulator.targets import (
     MujocoContact,
     PressureByDepth,
     Target,
-    quantity_in_words,
 )
 
 _LONGEST_TIME_STEP: Final = 0.001  # s
@@ -255,12 +254,8 @@ def _readme(
 
     rows = [
         row("`pressure_by_depth.csv`", f"{len(table.depth)} depths", table),
-        row("Newton `kh`", quantity_in_words(newton.kh, newton.kh_std, "N/m³"), newton),
-        row(
-            "Drake hydroelastic modulus (`finger.sdf`)",
-            quantity_in_words(drake.modulus, drake.modulus_std, "Pa"),
-            drake,
-        ),
+        row("Newton `kh`", newton.words, newton),
+        row("Drake hydroelastic modulus (`finger.sdf`)", drake.words, drake),
         row("MuJoCo solref, solimp (`finger.xml`)", f"for {mujoco.effective_mass:g} kg", mujoco),
     ]
     bone = reason

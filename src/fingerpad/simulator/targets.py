@@ -28,13 +28,6 @@ _KEYS: Final = {
 }
 
 
-def quantity_in_words(value: float, std: float, unit: str) -> str:
-    """Return a number with its unit and standard uncertainty: none if that is 0, and said so if it is NaN."""
-    if std > 0:
-        return f"{value_with_uncertainty(value, std)} {unit}"
-    return f"{value:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Target(Displayed):
     """What one simulator takes, and how far its load and area are from the pad's."""
@@ -118,6 +111,11 @@ class NewtonStiffness(Target):
     kh: float
     kh_std: float
 
+    @property
+    def words(self) -> str:
+        """The stiffness with its uncertainty and unit."""
+        return _quantity(self.kh, self.kh_std, "N/m³")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class DrakeModulus(Target):
@@ -133,6 +131,11 @@ class DrakeModulus(Target):
 
     modulus: float
     modulus_std: float
+
+    @property
+    def words(self) -> str:
+        """The modulus with its uncertainty and unit."""
+        return _quantity(self.modulus, self.modulus_std, "Pa")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -202,6 +205,13 @@ class FiniteElements(Target):
     indentation: FloatArray
     load_ratio: FloatArray
     poisson_ratio: float
+
+
+def _quantity(value: float, std: float, unit: str) -> str:
+    """Return a number with its unit and standard uncertainty: none if that is 0, and said so if it is NaN."""
+    if std > 0:
+        return f"{value_with_uncertainty(value, std)} {unit}"
+    return f"{value:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
 
 
 def impedance(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:

@@ -23,7 +23,7 @@ from fingerpad.study.manifest.models import Finger, Study
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems, item_of
-from fingerpad.study.results.result_set import result_files, result_set_faults
+from fingerpad.study.results.result_set import result_files, result_set_faults, results_folder
 from fingerpad.study.results.summary_file import FingerRecord, SummaryFile
 
 _STATES: Final = ("done", "failed", "stale", "left")
@@ -54,9 +54,9 @@ class Status:
         return self.done + self.failed + self.stale + self.left
 
 
-def study_status(manifest: Path, out: Path) -> Status:
+def study_status(manifest: Path, out: Path | None = None) -> Status:
     """Compare a study with what is stored of it; nothing is measured, and nothing is written."""
-    manifest = manifest_in(manifest)
+    manifest, out = manifest_in(manifest), out or results_folder(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
     active_corrections = CorrectionLog(folder).active_corrections()
     has_store = (out / STORE_NAME).is_file()
@@ -125,9 +125,9 @@ class Verification:
     changed_inputs: tuple[str, ...]  # since the last run: the next one measures them again
 
 
-def verify_study(manifest: Path, out: Path) -> Verification:
+def verify_study(manifest: Path, out: Path | None = None) -> Verification:
     """Read all that is kept of a study, and compare it with its checksums; nothing is written."""
-    manifest = manifest_in(manifest)
+    manifest, out = manifest_in(manifest), out or results_folder(manifest)
     folder = manifest.absolute().parent
     intact: dict[str, str] = {}
     faults: list[str] = []

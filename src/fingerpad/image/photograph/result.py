@@ -108,6 +108,26 @@ class PhotographFit(Displayed):
             numbers[f"ellipse_radius_mm_{at}"] = radii["ellipse_mm"]
         return record_text(f"Photograph of the {self.face} face", {**numbers, "flags": self.flags})
 
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            For tables and scripts.
+        """
+        return {
+            "semi_axes_mm": self.semi_axes_mm,
+            "semi_axes_mm_std": self.semi_axes_mm_std,
+            "uncertainty_mm_std": self.uncertainty_mm_std,
+            "arc_deg": self.arc_deg,
+            "exponent": self.exponent,
+            "exponent_std": self.exponent_std,
+            "radii": self.side_radii(),
+            "outlier_fraction": self.outlier_fraction,
+            "flags": sorted(self.flags),
+        }
+
     @property
     def covariance(self) -> FloatArray:
         """Covariance of the semi-axes: the sum of its terms, mm²."""

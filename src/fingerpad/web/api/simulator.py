@@ -10,14 +10,7 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
-from fingerpad.simulator import (
-    FiniteElements,
-    SimulatorLaw,
-    elements_or_reason,
-    export_finger,
-    quantity_in_words,
-    simulator_law,
-)
+from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason, export_finger, simulator_law
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
 from fingerpad.web.answers import Answer
@@ -74,12 +67,8 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
     target = SimulatorTarget.of
     targets = [
         target(table, name="Table of pressure by depth", value=f"{len(table.depth)} depths"),
-        target(newton, name="Newton kh", value=quantity_in_words(newton.kh, newton.kh_std, "N/m³")),
-        target(
-            drake,
-            name="Drake hydroelastic modulus",
-            value=quantity_in_words(drake.modulus, drake.modulus_std, "Pa"),
-        ),
+        target(newton, name="Newton kh", value=newton.words),
+        target(drake, name="Drake hydroelastic modulus", value=drake.words),
         target(mujoco, name="MuJoCo solref", value=" ".join(f"{one:.6g}" for one in mujoco.solref)),
         target(mujoco, name="MuJoCo solimp", value=" ".join(f"{one:.6g}" for one in mujoco.solimp)),
     ]
