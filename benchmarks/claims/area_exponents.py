@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.tables import share, table
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.study.results.pooling import PressSlope
+from fingerpad.uncertainty.press_slope import PressSlope
 
 EXPONENT: Final = 2 / 3
 ERROR: Final = 0.02

@@ -11,6 +11,7 @@ from tests import command, studies
 from tests.studies import PAD, Table, contact, finger, write_numbers, write_outlines
 from tests.workbooks import sheet_xml, workbook
 
+from fingerpad._digest import digest_of_values
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
@@ -23,7 +24,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import loading_radius, placed_pad
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_of
-from fingerpad.study.results.study_result import StudyResult, digest_of_values
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fingerpad import Estimate
+from fingerpad._digest import digest_of_values
 from fingerpad.study.manifest.models import Uncertainty
-from fingerpad.study.results.study_result import digest_of_values
 from fingerpad.study.results.table import COLUMNS, table_of
 
 ESTIMATE = Estimate.symmetric(1.0, 0.1)

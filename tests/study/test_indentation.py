@@ -5,7 +5,11 @@ import pytest
 
 from fingerpad.exceptions import LoadingError
 from fingerpad.image import ForceSignal
-from fingerpad.study.measuring.sequences import first_contact_displacement
+from fingerpad.loading.contact_point import first_contact
+
+
+def displacement_of(signal: ForceSignal) -> float:
+    return first_contact(signal.time, signal.load, signal.displacement)
 
 
 def press(approach: float, rows: int = 400, noise: float = 0.0, exponent: float = 1.5) -> ForceSignal:
@@ -18,11 +22,9 @@ def press(approach: float, rows: int = 400, noise: float = 0.0, exponent: float 
 @pytest.mark.parametrize(("noise", "off"), [(0.0, 0.02), (0.005, 0.02), (0.02, 0.05)])
 def test_contact_is_where_the_force_begins_to_rise(noise: float, off: float) -> None:
     for approach in (0.1, 0.5, 2.0):
-        assert first_contact_displacement(press(approach, noise=noise)) == pytest.approx(3, abs=off)
+        assert displacement_of(press(approach, noise=noise)) == pytest.approx(3, abs=off)
     # A pad that stiffens faster or more slowly than a sphere.
-    assert first_contact_displacement(press(0.5, noise=noise, exponent=1.8)) == pytest.approx(
-        3, abs=2 * off + 0.05
-    )
+    assert displacement_of(press(0.5, noise=noise, exponent=1.8)) == pytest.approx(3, abs=2 * off + 0.05)
 
 
 @pytest.mark.parametrize(
@@ -35,4 +37,4 @@ def test_contact_is_where_the_force_begins_to_rise(noise: float, off: float) -> 
 )
 def test_without_an_approach_contact_is_unknown(signal: ForceSignal, words: str) -> None:
     with pytest.raises(LoadingError, match=words):
-        first_contact_displacement(signal)
+        displacement_of(signal)

@@ -5,8 +5,8 @@ from numpy.testing import assert_allclose
 
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.results.layer import indentation_model
 from fingerpad.uncertainty import Inputs, propagate, run_monte_carlo
+from fingerpad.uncertainty.models import indentation_model
 
 AXES = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 

@@ -14,12 +14,12 @@ from fingerpad.study.results.validity.model_checks import (
     STRAINED,
     ValidityCheck,
     judge_together,
-    model_discrepancy,
     overall_verdict,
     p_value_of,
     verdict_of,
     verdict_of_error,
 )
+from fingerpad.uncertainty.discrepancy import model_discrepancy
 
 CHECK = ValidityCheck(check="n", compared="n", headlines=("E",))
 

@@ -1,5 +1,6 @@
 """Sequences of presses in a study: frames become rows, few are pooled, and none is listed by the thousand."""
 
+import html
 import re
 import shutil
 import sqlite3
@@ -513,10 +514,11 @@ def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain:
     for row in records(result.rows):
         assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
     assert np.isnan(plain.rows["measured_indentation_mm"].to_numpy()).all()
-    text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
+    text = html.unescape(write_report(result, study_dir / "out").read_text(encoding="utf-8"))
     assert "against the platen's displacement from the place of contact" in text
     assert "indentation ξ" in (study_dir / "out" / "figures" / "sequence_p_indentation.svg").read_text()
-    assert "platen's displacement" not in write_report(plain, study_dir / "out").read_text(encoding="utf-8")
+    text = html.unescape(write_report(plain, study_dir / "out").read_text(encoding="utf-8"))
+    assert "platen's displacement" not in text
 
 
 def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path, plain: StudyResult) -> None:

@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
-from fingerpad.exceptions import FitError
+from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.least_squares import fit_least_squares
 
 # Share of the way at the start that is taken to be free of contact, and deviations that noise does not reach.
 _FREE_SHARE, _DEVIATIONS, _IN_A_ROW = 0.1, 4.0, 3
 # The two lines are fitted below this share of the largest force.
 _FOOT = 0.3
+_WAY_IN, _WAY_IN_ROWS = 0.5, 6
 _START_GRID, _START_ROWS, _ZOOMS = 30, 300, 3
 # Shortest press, as a share of the way in, and the approach, in presses, that says where contact begins.
 _SHORTEST_PRESS, _APPROACH = 0.02, 3.0
@@ -130,6 +131,29 @@ def power_law(displacement: FloatArray, load: FloatArray) -> float:
 
     fit = fit_least_squares(residuals, [place, parts[0], top, 1.5], ["place", "level", "size", "exponent"])
     return fit.value("place")
+
+
+def first_contact(clock: FloatArray, load: FloatArray, displacement: FloatArray | None) -> float:
+    """Return the displacement at which the force of a press begins to rise, for a rigid stage.
+
+    A level and a Hertzian rise that stiffens, W = W₀ + a s + b s² with s = (x − x₀)^(3/2), are fitted to the
+    first press, up to half of the largest force, beyond which tissue stiffens more.
+    """
+    if displacement is None:
+        raise LoadingError("no displacement was recorded beside the force")
+    low = float(load.min())
+    stop = int(np.argmax(load >= low + _WAY_IN * (float(load.max()) - low))) + 1
+    if stop < _WAY_IN_ROWS:
+        raise LoadingError(
+            f"the place of contact is unknown: the force passes half of its largest value after {stop} rows; "
+            f"{_WAY_IN_ROWS} are needed"
+        )
+    place, _ = fit_contact_start(clock[:stop], load[:stop], displacement[:stop], tilt=False)
+    if not place > displacement[:stop].min():
+        raise LoadingError(
+            "the place of contact is unknown: the record begins in contact; record some of the approach"
+        )
+    return place
 
 
 ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {

@@ -6,10 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from fingerpad._digest import digest_of_values
 from fingerpad._files import file_stem
 from fingerpad.report.page import write_page
 from fingerpad.study.engine.task import Record, Task, code_digest
-from fingerpad.study.results.study_result import StudyResult, digest_of_values
+from fingerpad.study.results.study_result import StudyResult
 
 REPORT_NAME: Final = "report.html"
 

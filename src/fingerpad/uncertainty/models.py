@@ -16,7 +16,7 @@ from fingerpad.contact.fast_laws import find_modulus
 from fingerpad.contact.hertz import equivalent_radius_ratios
 from fingerpad.exceptions import GeometryError, UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
-from fingerpad.geometry.gap import gap_kernel
+from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
 from fingerpad.geometry.placement import checked_placement, platen_normal
 from fingerpad.uncertainty.propagate import Propagated, propagate
 from fingerpad.uncertainty.quantities import Given, Groups, Inputs, covariance_root
@@ -247,6 +247,41 @@ def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatA
         contact.area_over_pi_indentation,
     )
     return {**hertz, **dict(zip(LAYER_OUTPUTS, values, strict=True))}
+
+
+def indentation_model(
+    *,
+    palmar: FloatArray,
+    distal: FloatArray,
+    radial_ulnar: FloatArray,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+    poisson_ratio: FloatArray,
+    load: FloatArray,
+    indentation: FloatArray,
+    contact_shift: FloatArray,
+    thickness: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return what a load and a measured indentation tell of a pad, by Hertz theory and on a layer.
+
+    W and ξ from the place of first contact. On the layer ξ is larger by `contact_shift`, as that place was
+    found by Hertz theory: on bone the load rises later, and it seems deeper than it is; and a Poisson's ratio
+    above 0.5, which a draw can have, is taken as 0.5.
+    """
+    axes = broadcast(palmar, distal, radial_ulnar)
+    gap = gap_kernel(*axes, normal=platen_normal(wedge_angle, roll_angle))
+    hertz, _ = find_modulus(
+        paraboloid_gap(gap.first_radius, gap.second_radius), load=load, indentation=indentation
+    )
+    nu = _possible(poisson_ratio)
+    layered, contact = find_modulus(
+        gap, load=load, indentation=indentation + contact_shift, thickness=thickness, poisson_ratio=nu
+    )
+    return {
+        "youngs_modulus_from_indentation": from_reduced_modulus(hertz, poisson_ratio),
+        "youngs_modulus_from_indentation_on_layer": from_reduced_modulus(layered, nu),
+        "loading_radius_on_layer": contact.area_over_pi_indentation,
+    }
 
 
 def layer_flag(inputs: Inputs) -> npt.NDArray[np.str_]:

@@ -119,7 +119,7 @@ def _is_out_of_memory(error: BaseException) -> bool:
 
 def working_code() -> str:
     """Return the digest of all code that a task may use: workers with other code could give other numbers."""
-    return code_digest("contact", "geometry", "image", "loading", "study", "uncertainty")
+    return code_digest("_records.py", "contact", "geometry", "image", "loading", "study", "uncertainty")
 
 
 @cache

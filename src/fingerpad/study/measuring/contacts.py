@@ -9,6 +9,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
+from fingerpad._records import from_record, to_record
 from fingerpad.flags import FLAGS
 from fingerpad.image import ContactImageResult, read_image, write_overlay
 from fingerpad.study.corrections.apply import (
@@ -19,7 +20,6 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection
-from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record, Work, in_study
 from fingerpad.study.manifest.models import Contact, Direction, Observation
 from fingerpad.study.measuring.context import FoundScale, OneTaskItem, require_scale

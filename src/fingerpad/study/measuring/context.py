@@ -12,10 +12,11 @@ from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from fingerpad._records import from_record, to_record
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
-from fingerpad.study.engine.store import Store, from_record, to_record
+from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record, Task, Work, in_study, versions_of
 from fingerpad.study.manifest.models import (
     CircleScale,

@@ -12,6 +12,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
+from fingerpad._records import fields_from, to_record
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import reduced_modulus
 from fingerpad.estimate import Estimate
@@ -28,7 +29,6 @@ from fingerpad.loading import (
     read_loading_curve,
     sphere_ratio,
 )
-from fingerpad.study.engine.store import fields_from, to_record
 from fingerpad.study.engine.task import Record, Work, in_study, versions_of
 from fingerpad.study.manifest.models import Curve, Finger, Study, Uncertainty
 from fingerpad.study.measuring.context import FoundScale, OneTaskItem, cache_key, require_scale

@@ -14,6 +14,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
+from fingerpad._records import fields_from, from_record, to_record
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FaceSemiAxes,
@@ -28,7 +29,6 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
-from fingerpad.study.engine.store import fields_from, from_record, to_record
 from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Finger, Photograph
 from fingerpad.study.measuring.context import (

@@ -15,9 +15,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad._files import file_stem, make_folder
+from fingerpad._records import fields_from, from_record, to_record
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
     ContactImageResult,
@@ -40,7 +40,7 @@ from fingerpad.image import (
     sequence_summary,
     write_overlay,
 )
-from fingerpad.loading.contact_point import fit_contact_start
+from fingerpad.loading.contact_point import first_contact
 from fingerpad.study.corrections.apply import (
     NOTHING,
     CorrectedContactImage,
@@ -54,15 +54,12 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
-from fingerpad.study.engine.store import DamagedResultError, fields_from, from_record, to_record
+from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
 from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.measuring.contacts import Measurement, from_contact_image, reviewed, with_automatic_axes
 from fingerpad.study.measuring.context import FoundScale, Item, RunContext, cache_key, require_scale
 
-_MIN_ROWS: Final = 6
-# The way in is fitted up to this share of the largest force, beyond which tissue stiffens.
-_FITTED: Final = 0.5
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
 LEAST_RIDGES: Final = 5
@@ -226,31 +223,6 @@ def frames_beyond(
                     yield f"{sequence.manifest.name}#{frame}"
 
 
-def first_contact_displacement(signal: ForceSignal) -> float:
-    """Return the displacement at which the force begins to rise.
-
-    A level and a Hertzian rise that stiffens, W = W₀ + a s + b s² with s = (x − x₀)^(3/2), are fitted to the
-    first press, up to half of the largest force. The stage is taken as rigid.
-    """
-    if signal.displacement is None:
-        raise LoadingError("no displacement was recorded beside the force")
-    low = float(signal.load.min())
-    level = low + _FITTED * (float(signal.load.max()) - low)
-    stop = int(np.argmax(signal.load >= level)) + 1
-    if stop < _MIN_ROWS:
-        raise LoadingError(
-            f"the place of contact is unknown: the force passes half of its largest value after {stop} rows; "
-            f"{_MIN_ROWS} are needed"
-        )
-    way_in: FloatArray = signal.displacement[:stop]
-    place, _ = fit_contact_start(signal.time[:stop], signal.load[:stop], way_in, tilt=False)
-    if not place > way_in.min():
-        raise LoadingError(
-            "the place of contact is unknown: the record begins in contact; record some of the approach"
-        )
-    return place
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OpenedSequence:
     """A sequence that is to be measured."""
@@ -349,10 +321,14 @@ class OpenedSequence:
         summary = sequence_summary(followed(), self.force, frames=self.frames, clock=self.clock)
         if self.force.displacement is not None:
             try:
-                first_contact_displacement(self.force)
+                self._contact()
             except LoadingError as error:
                 summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
         return summary, chosen
+
+    def _contact(self) -> float:
+        """Return the displacement of first contact, mm; `LoadingError` where it is unknown."""
+        return first_contact(self.force.time, self.force.load, self.force.displacement)
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
         return Task(
@@ -391,7 +367,7 @@ class OpenedSequence:
         """
         contact = math.nan
         with suppress(LoadingError):
-            contact = first_contact_displacement(self.force)
+            contact = self._contact()
         for result in self.placed():
             row = self._row(result, contact)
             if row is not None:

@@ -9,13 +9,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
-from fingerpad.contact.contact import from_reduced_modulus
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.contact.fast_laws import find_modulus, plate_gap, press
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.geometry import Ellipsoid, Gap, Placement
-from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
-from fingerpad.geometry.placement import platen_normal
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest.models import Study, Uncertainty
@@ -33,6 +30,7 @@ from fingerpad.uncertainty import (
     propagate,
     run_monte_carlo,
 )
+from fingerpad.uncertainty.models import indentation_model
 from fingerpad.units import KPA_PER_MPA
 
 # Outputs of the layer with those of Hertz theory that they stand beside.
@@ -256,41 +254,6 @@ def _inputs(
     inputs = inputs.with_covariance(SEMI_AXES, finger.covariance)
     both = np.outer(*2 * ([thickness_std, shift_std],))
     return replace(inputs.with_covariance(("thickness", "contact_shift"), both), groups=_SOURCES)
-
-
-def indentation_model(
-    *,
-    palmar: FloatArray,
-    distal: FloatArray,
-    radial_ulnar: FloatArray,
-    wedge_angle: FloatArray,
-    roll_angle: FloatArray,
-    poisson_ratio: FloatArray,
-    load: FloatArray,
-    indentation: FloatArray,
-    contact_shift: FloatArray,
-    thickness: FloatArray,
-) -> dict[str, FloatArray]:
-    """Return what a load and a measured indentation tell of a pad, by Hertz theory and on a layer.
-
-    W and ξ from the place of first contact. On the layer ξ is larger by `contact_shift`, as that place was
-    found by Hertz theory: on bone the load rises later, and it seems deeper than it is; and a Poisson's ratio
-    above 0.5, which a draw can have, is taken as 0.5.
-    """
-    axes = broadcast(palmar, distal, radial_ulnar)
-    gap = gap_kernel(*axes, normal=platen_normal(wedge_angle, roll_angle))
-    hertz, _ = find_modulus(
-        paraboloid_gap(gap.first_radius, gap.second_radius), load=load, indentation=indentation
-    )
-    nu = np.where(np.real(poisson_ratio) > 0.5, 0.5, poisson_ratio)
-    layered, contact = find_modulus(
-        gap, load=load, indentation=indentation + contact_shift, thickness=thickness, poisson_ratio=nu
-    )
-    return {
-        "youngs_modulus_from_indentation": from_reduced_modulus(hertz, poisson_ratio),
-        "youngs_modulus_from_indentation_on_layer": from_reduced_modulus(layered, nu),
-        "loading_radius_on_layer": contact.area_over_pi_indentation,
-    }
 
 
 def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:

@@ -1,8 +1,7 @@
 """Everything that a run found, once all is measured."""
 
-import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
@@ -10,9 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from pydantic import BaseModel
 
 from fingerpad._arrays import FloatArray
+from fingerpad._digest import digest_of_values
 from fingerpad._display import Displayed
 from fingerpad._words import counted
 from fingerpad.study.engine.runner import Executor, records_of
@@ -36,7 +35,7 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord, ValidityRecord
-from fingerpad.study.results.table import COLUMNS, groups, records
+from fingerpad.study.results.table import groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.uncertainty import (
     Inputs,
@@ -46,45 +45,6 @@ from fingerpad.uncertainty import (
     sobol_indices,
     validate_linear_approximation,
 )
-
-
-def digest_of_values(*values: object) -> str:
-    """Return the SHA-256 of plain values, arrays, tables, models, dataclasses and lists of them."""
-    digest = hashlib.sha256()
-    for part in _parts(values):
-        digest.update(len(part).to_bytes(8, "big") + part)
-    return digest.hexdigest()
-
-
-def _parts(value: Any) -> Iterator[bytes]:
-    """Yield a value bit by bit, each with its kind."""
-    yield type(value).__name__.encode()
-    if isinstance(value, np.ndarray):
-        yield f"{value.dtype.str} {value.shape}".encode()
-        yield repr(value.tolist()).encode() if value.dtype == object else value.tobytes()
-    elif isinstance(value, BaseModel):
-        yield value.model_dump_json().encode()
-        yield value.model_dump_json(exclude_unset=True).encode()
-    elif (inner := _inside(value)) is not None:
-        yield repr(len(inner)).encode()
-        for item in inner:
-            yield from _parts(item)
-    else:
-        yield repr(value).encode()
-
-
-def _inside(value: Any) -> Sequence[Any] | None:
-    """Return what a value is made of, in an order of its own; None for a plain one."""
-    if isinstance(value, pd.DataFrame):
-        return [value[name].to_numpy() for name in COLUMNS]
-    if is_dataclass(value):
-        return [getattr(value, field.name) for field in fields(value)]
-    if isinstance(value, Mapping):
-        return list(value.items())
-    if isinstance(value, set | frozenset):
-        return sorted(map(repr, value))
-    return value if isinstance(value, list | tuple) else None
-
 
 _RADIUS: Final = "radius_from_indentation"
 

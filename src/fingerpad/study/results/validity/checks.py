@@ -23,7 +23,7 @@ from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
-from fingerpad.study.results.pooling import LayerSummary, PressSlope, Summary, area_noise, edges_of, items_of
+from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRecord, ValidityRecord
@@ -44,14 +44,14 @@ from fingerpad.study.results.validity.model_checks import (
     STRAINED_BELOW_P,
     UNITS,
     FingerAtAngle,
-    ModelDiscrepancy,
     ValidityCheck,
     judge_together,
-    model_discrepancy,
     overall_verdict,
     p_value_of,
 )
 from fingerpad.uncertainty import pad_model, pool, pool_random_effects, propagate
+from fingerpad.uncertainty.discrepancy import ModelDiscrepancy, model_discrepancy
+from fingerpad.uncertainty.press_slope import PressSlope
 from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"
