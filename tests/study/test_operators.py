@@ -41,13 +41,14 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     out = manifest.parent / "out"
     result = run_study(manifest, out, write_report=write_report)
     (found,) = result.operators
-    assert (found.synthetic, len(found.pairs), found.operators) == (True, 3, (("anna",), ("bob",)))
-    area = found.quantities["gross_area_mm2"]
+    assert (found.synthetic, found.count) == (True, 3)
+    assert (found.first_operators, found.second_operators) == (["anna"], ["bob"])
+    area = found.gross_area_mm2
     ratios = np.log([1.1, 1.0, 0.9])
     assert area.bias == pytest.approx(np.expm1(ratios.mean()), abs=2e-3)
     assert area.std == pytest.approx(ratios.std(ddof=1), rel=0.02)
-    assert found.quantities["semi_major_mm"].limits[1] > 0
-    ious = {one.observation: one.iou for one in found.pairs}
+    assert found.semi_major_mm.limits[1] > 0
+    ious = {one.observation: one.iou for one in result.compared_pairs(synthetic=True)}
     assert ious["o0"] == pytest.approx(1 / 1.1, abs=0.01)  # one ellipse inside the other
     assert ious["o1"] == 1
     assert 0.8 < ious["o2"] < 0.9

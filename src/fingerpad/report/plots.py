@@ -34,6 +34,7 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import Indices, Row, records, with_areas
 from fingerpad.study.results.validity.model_checks import RADIUS
+from fingerpad.uncertainty import Agreement
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -196,17 +197,18 @@ def where(finger: str, wedge_angle_deg: float, synthetic: bool) -> str:
 def agreement_plots(result: StudyResult) -> Iterator[Plot]:
     """Draw how two persons agree on the areas of the images that both outlined."""
     for found in result.operators:
-        if (area := found.quantities.get("gross_area_mm2")) is None:
+        if (area := found.gross_area_mm2) is None:
             continue
+        pairs = result.compared_pairs(synthetic=found.synthetic)
         yield Plot(
             name="second_operator_synthetic" if found.synthetic else "second_operator",
             figure=panel(
                 figures.plot_agreement,
-                [one.first["gross_area_mm2"] for one in found.pairs],
-                [one.second["gross_area_mm2"] for one in found.pairs],
-                area,
+                [one.first["gross_area_mm2"] for one in pairs],
+                [one.second["gross_area_mm2"] for one in pairs],
+                Agreement(**dict(area)),
                 quantity="gross area (mm²)",
-                names=[" and ".join(names) for names in found.operators],
+                names=[" and ".join(names) for names in (found.first_operators, found.second_operators)],
                 synthetic=found.synthetic,
             ),
             caption="Contact areas by two persons, the second without seeing the first's outlines"

@@ -17,7 +17,6 @@ from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, in_study
 from fingerpad.study.manifest.models import Observation, ScaleKey
 from fingerpad.study.measuring.context import FoundScale, RunContext, require_scale
-from fingerpad.uncertainty import Agreement, agreement
 
 QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2")
 
@@ -127,44 +126,3 @@ def _compare(
 QUANTITY_WORDS: Final = dict(
     zip(QUANTITIES, ("semi-major axis", "semi-minor axis", "gross area A", "ridge area"), strict=True)
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OperatorAgreement:
-    """How two persons agree on the outlines of contact images."""
-
-    synthetic: bool
-    pairs: tuple[OperatorPair, ...]  # measured under both outlines
-    quantities: dict[str, Agreement]
-    iou_mean: float
-    iou_least: float
-
-    @property
-    def operators(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Who was first, and who second."""
-        first, second = zip(*((one.first_operator, one.second_operator) for one in self.pairs), strict=True)
-        return tuple(sorted(set(first))), tuple(sorted(set(second)))
-
-
-def operator_agreement(pairs: Sequence[OperatorPair]) -> list[OperatorAgreement]:
-    """Return how the two persons agree, of real images and of synthetic ones, where there are any."""
-    found = []
-    for synthetic in (False, True):
-        some = tuple(one for one in pairs if one.synthetic == synthetic and one.iou is not None)
-        if not some:
-            continue
-        ious = [one.iou for one in some if one.iou is not None]
-        found.append(
-            OperatorAgreement(
-                synthetic=synthetic,
-                pairs=some,
-                quantities={
-                    name: agreement([one.first[name] for one in some], [one.second[name] for one in some])
-                    for name in QUANTITIES
-                    if all(one.first[name] > 0 and one.second[name] > 0 for one in some)
-                },
-                iou_mean=float(np.mean(ious)),
-                iou_least=min(ious),
-            )
-        )
-    return found

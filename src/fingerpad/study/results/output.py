@@ -18,7 +18,6 @@ from fingerpad._words import counted
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
-from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
@@ -118,7 +117,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
             ],
             scatter=[scatter_record(one) for one in result.scatter],
         ),
-        second_operator=[_agreement(one) for one in result.operators],
+        second_operator=result.operators,
         by_load=result.by_load,
         sequences=[
             _sequence(sequence, frames)
@@ -322,13 +321,6 @@ def scatter_record(one: StudyScatter) -> summary_file.ScatterRecord:
             )
             for (level, found), limit in zip(components.items(), limits.tolist(), strict=True)
         ],
-    )
-
-
-def _agreement(one: OperatorAgreement) -> summary_file.OperatorAgreementRecord:
-    first, second = one.operators
-    return summary_file.OperatorAgreementRecord.of(
-        one, first_operators=first, second_operators=second, count=len(one.pairs), **one.quantities
     )
 
 

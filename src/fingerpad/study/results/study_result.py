@@ -21,7 +21,7 @@ from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair, operator_agreement
+from fingerpad.study.measuring.operators import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import pool_by_load
@@ -34,11 +34,18 @@ from fingerpad.study.results.repeats import (
     study_scatter,
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
-from fingerpad.study.results.summary_file import AtLoadRecord, UncertaintyCheckRecord, ValidityRecord
+from fingerpad.study.results.summary_file import (
+    AgreementRecord,
+    AtLoadRecord,
+    OperatorAgreementRecord,
+    UncertaintyCheckRecord,
+    ValidityRecord,
+)
 from fingerpad.study.results.table import groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.uncertainty import (
     Inputs,
+    agreement,
     pad_model,
     propagate,
     run_monte_carlo,
@@ -109,10 +116,15 @@ class StudyResult(Displayed):
     # contact images that two persons outlined, the second without seeing what the first drew
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
+    def compared_pairs(self, *, synthetic: bool) -> list[OperatorPair]:
+        """Return the images that were measured under the outlines of both persons."""
+        return [one for one in self.operator_pairs if one.synthetic == synthetic and one.iou is not None]
+
     @property
-    def operators(self) -> list[OperatorAgreement]:
-        """How two persons agree on the images that both outlined."""
-        return operator_agreement(self.operator_pairs)
+    def operators(self) -> list[OperatorAgreementRecord]:
+        """How two persons agree on the images that both outlined, real ones and synthetic ones."""
+        both = (self.compared_pairs(synthetic=False), self.compared_pairs(synthetic=True))
+        return [_agreement(pairs) for pairs in both if pairs]
 
     @property
     def failures(self) -> list[str]:
@@ -211,6 +223,24 @@ class StudyResult(Displayed):
             notes=(),
             operator_pairs=[],
         )
+
+
+def _agreement(pairs: Sequence[OperatorPair]) -> OperatorAgreementRecord:
+    ious = [one.iou or 0.0 for one in pairs]
+    quantities = {
+        name: agreement([one.first[name] for one in pairs], [one.second[name] for one in pairs])
+        for name in QUANTITIES
+        if all(one.first[name] > 0 and one.second[name] > 0 for one in pairs)
+    }
+    return OperatorAgreementRecord(
+        synthetic=pairs[0].synthetic,
+        first_operators=sorted({one.first_operator for one in pairs}),
+        second_operators=sorted({one.second_operator for one in pairs}),
+        count=len(pairs),
+        iou_mean=float(np.mean(ious)),
+        iou_least=min(ious),
+        **{name: AgreementRecord.of(one) for name, one in quantities.items()},
+    )
 
 
 def result_of(
