@@ -13,7 +13,7 @@ from fingerpad.report.templates import signed_with_uncertainty, typeset
 from fingerpad.report.text import advice, face_differences, p_words, phase_words, pooling_words, probability
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.corrections.changes import PhaseCorrection
-from fingerpad.study.results.repeats import ContactRepeatability
+from fingerpad.uncertainty.repeats import ContactRepeatability
 
 
 def test_a_flag_says_what_to_do() -> None:

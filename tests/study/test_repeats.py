@@ -17,14 +17,10 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.repeats import (
-    ContactRepeatability,
-    contact_repeatability,
-    nominal_loads,
-    study_scatter,
-)
+from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import records
+from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads
 
 AXES = np.array([7.9, 13.8, 11.8])
 STUDY = study_of(finger(), uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0})

@@ -4,9 +4,10 @@ import math
 from typing import Any, Final
 
 from fingerpad._rounding import two_digits
-from fingerpad.study.results.repeats import LEVELS, SAME_LOAD, SCATTER_OF, ContactRepeatability, StudyScatter
+from fingerpad.study.results.repeats import LEVELS, SCATTER_OF, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
+from fingerpad.uncertainty.repeats import SAME_LOAD, ContactRepeatability
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR, REPEAT
 
 _MOST_LOADS: Final = 120

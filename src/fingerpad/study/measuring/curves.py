@@ -227,7 +227,7 @@ def curve_result(
     """
     radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
     assert curve.file is not None  # what was found elsewhere is not fitted
-    data = None
+    nothing, data = CurveResult(manifest=curve), None
     known: dict[str, Any] = {}
     try:
         known = _instrument(curve, scale)
@@ -248,15 +248,16 @@ def curve_result(
             **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
         )
     except FitError as error:
-        return _slope_alone(curve, data, known, _named(error, curve.file, folder))
+        reason = _named(error, curve.file, folder)
+        return _slope_alone(replace(nothing, curve=data, reason=reason), known)
     except FingerpadError as error:
-        return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
+        return replace(nothing, curve=data, reason=_named(error, curve.file, folder))
     except _RECOVERABLE_ERRORS as error:
         reason = f"{curve.file}: cannot be fitted ({type(error).__name__}: {error})"
-        return CurveResult(manifest=curve, curve=data, reason=reason)
+        return replace(nothing, curve=data, reason=reason)
     found = fit.loading_radius
-    return CurveResult(
-        manifest=curve,
+    return replace(
+        nothing,
         loading_radius=found.value,
         loading_radius_std=found.std,
         area_relative_std=known.get("area_relative_std", 0.0) if radius is None else 0.0,
@@ -300,24 +301,21 @@ def _stated(name: str, value: float | None, std: float | None) -> dict[str, Any]
     return {} if value is None else {name: Estimate.symmetric(value, std or 0.0)}
 
 
-def _slope_alone(
-    curve: Curve, data: LoadingCurve | None, known: Mapping[str, Any], reason: str
-) -> CurveResult:
+def _slope_alone(failed: CurveResult, known: Mapping[str, Any]) -> CurveResult:
     """Return what is left where a curve cannot be fitted as a whole: R_g from its slope, if that."""
-    if data is None or curve.loading_radius_mm is not None:
-        return CurveResult(manifest=curve, curve=data, reason=reason)
+    if failed.curve is None or failed.manifest.loading_radius_mm is not None:
+        return failed
     try:
-        radius = fit_contact_compliance(data, cycle=curve.cycle)
+        radius = fit_contact_compliance(failed.curve, cycle=failed.manifest.cycle)
     except FingerpadError:
-        return CurveResult(manifest=curve, curve=data, reason=reason)
+        return failed
     area_std = known.get("area_relative_std", 0.0)
-    return CurveResult(
-        manifest=curve,
+    return replace(
+        failed,
         loading_radius=radius.value,
         loading_radius_std=math.hypot(radius.std, area_std * radius.value),
         area_relative_std=area_std,
-        curve=data,
-        reason=f"{reason}; only the slope of area against indentation is known",
+        reason=f"{failed.reason}; only the slope of area against indentation is known",
     )
 
 

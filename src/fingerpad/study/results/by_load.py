@@ -12,19 +12,14 @@ from scipy import special
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART
-from fingerpad.study.results.repeats import (
-    QUANTITY_COLUMNS,
-    ContactRepeatability,
-    StudyScatter,
-    contact_quantity,
-    nominal_loads,
-)
+from fingerpad.study.results.repeats import QUANTITY_COLUMNS, StudyScatter, contact_quantity
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
 from fingerpad.study.results.table import groups, items
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.uncertainty.propagate import NORMAL_97_5
+from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads
 from fingerpad.units import KPA_PER_MPA
 
 _ROUNDING: Final = 1e-9

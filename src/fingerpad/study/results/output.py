@@ -23,7 +23,7 @@ from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
-from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
+from fingerpad.study.results.repeats import StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
 from fingerpad.study.results.validity.model_checks import (
@@ -33,6 +33,7 @@ from fingerpad.study.results.validity.model_checks import (
     RADIUS,
     STRAINED,
 )
+from fingerpad.uncertainty.repeats import ContactRepeatability
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 

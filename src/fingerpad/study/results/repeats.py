@@ -3,7 +3,7 @@
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice, takewhile
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -16,11 +16,10 @@ from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, exclud
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import contact_inputs
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
-from fingerpad.uncertainty import NestedScatter, ScatterComponent, covariance_root, nested_scatter
-from fingerpad.uncertainty.scatter import MIN_LEVEL_FREEDOM, MIN_REPEAT_FREEDOM, REPEAT
+from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter
+from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads, too_few_repeats
+from fingerpad.uncertainty.scatter import MIN_LEVEL_FREEDOM, REPEAT
 
-# Loads within this share of the middle of them are one nominal load.
-SAME_LOAD: Final = 0.05
 # Columns of which the scatter is stated, each as the standard deviation of its logarithm.
 SCATTER_OF: Final[Mapping[str, str]] = {
     "contact_area": "contact area A",
@@ -35,7 +34,6 @@ LEVELS: Final[Mapping[str, str]] = {
     "session": "between sessions",
     REPEAT: "repeats",
 }
-_GAP: Final = (1 + SAME_LOAD) / (1 - SAME_LOAD) * (1 + 1e-9)
 _BETWEEN: Final = ("person", "finger")
 _PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
 # Columns from which `contact_quantity` finds `SCATTER_OF`.
@@ -46,24 +44,6 @@ QUANTITY_COLUMNS: Final = (
 _AT_ONCE: Final = 500
 
 
-def nominal_loads(loads: ArrayLike) -> Indices:
-    """Return a number for the nominal load of each of some loads, counted from 0 upwards.
-
-    Loads are one nominal load if they are within `SAME_LOAD` of their middle, and the next one is not. Where
-    they run on without such a gap, as those of a ramp, only equal loads are.
-    """
-    distinct, place = np.unique(as_float_array(loads), return_inverse=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        chain = np.cumsum(np.append(False, distinct[1:] > _GAP * distinct[:-1])[: distinct.size])
-    for number in np.unique(chain):
-        low, high = distinct[chain == number][[0, -1]]
-        if high > _GAP * low:
-            chain = np.where(chain == number, chain.max() + 1 + np.arange(chain.size), chain)
-    _, first = np.unique(chain, return_index=True)
-    rank = np.searchsorted(np.sort(first), [int(np.flatnonzero(chain == of)[0]) for of in chain])
-    return np.asarray(rank[place.reshape(-1)], dtype=np.intp)
-
-
 def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
     """Return a number for the placement and nominal load of each contact."""
     placement, loads = numbered(placed), as_float_array(loads)
@@ -71,52 +51,6 @@ def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
     for one in np.unique(placement):
         load[placement == one] = nominal_loads(loads[placement == one])
     return numbered(zip(placement.tolist(), load.tolist(), strict=True))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactRepeatability:
-    """By how much the ellipses of repeats scatter beyond the noise of their images."""
-
-    covariance: FloatArray  # of ln √(ℓd ℓe) and ln(ℓd/ℓe) of one impression; zero if it is not known
-    freedom: int  # degrees of freedom from which it is known
-    groups: int  # contacts that were repeated
-    count: int  # their repeats in all
-
-    @property
-    def known(self) -> bool:
-        """Whether there are enough repeats."""
-        return self.freedom >= MIN_REPEAT_FREEDOM
-
-    @property
-    def area_std(self) -> float:
-        """Relative standard deviation of the area that it amounts to."""
-        return float(2 * np.sqrt(self.covariance[0, 0]))
-
-    @property
-    def aspect_ratio_std(self) -> float:
-        """Relative standard deviation of the aspect ratio that it amounts to."""
-        return float(np.sqrt(self.covariance[1, 1]))
-
-    @property
-    def missing(self) -> str:
-        """Why it is not known, in words; empty where it is."""
-        return "" if self.known else _too_few_repeats(self.groups, self.freedom)
-
-    @classmethod
-    def of(cls, axes: ArrayLike, noise: ArrayLike, group: ArrayLike) -> Self:
-        """Return that of ln √(ℓd ℓe) and ln(ℓd/ℓe), shape (n, 2), of known noise, by `group` of repeats."""
-        axes = as_float_array(axes)
-        _, place, size = np.unique(group, return_inverse=True, return_counts=True)
-        freedom = len(axes) - size.size
-        covariance = np.zeros((2, 2))
-        if freedom >= MIN_REPEAT_FREEDOM:
-            means = np.stack([np.bincount(place, of) / size for of in axes.T], axis=-1)
-            off = axes - means[place]
-            found, share = off.T @ off / freedom, (1 - 1 / size[place]) / freedom
-            root = covariance_root(found - np.einsum("n,nij->ij", share, as_float_array(noise)))
-            covariance = root @ root.T  # without the negative eigenvalues of a difference
-        repeated = size[size > 1]
-        return cls(covariance=covariance, freedom=freedom, groups=repeated.size, count=int(repeated.sum()))
 
 
 def contact_repeatability(
@@ -260,7 +194,7 @@ def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
 def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: NestedScatter) -> str:
     repeat = scatter.components[REPEAT]
     if level == REPEAT:
-        return _too_few_repeats(one.groups, one.freedom)
+        return too_few_repeats(one.groups, one.freedom)
     if not repeat.known:
         return "cannot be separated from repeats, which are missing"
     if not named:
@@ -272,9 +206,3 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
             "session": "no finger has two sessions under one load",
         }[level]
     return f"{counted(one.freedom, 'degree')} of freedom; {MIN_LEVEL_FREEDOM} are needed"
-
-
-def _too_few_repeats(groups: int, freedom: int) -> str:
-    if groups == 0:
-        return "no contact was repeated"
-    return f"{counted(freedom, 'degree')} of freedom; {MIN_REPEAT_FREEDOM} are needed"

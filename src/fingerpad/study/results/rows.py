@@ -21,9 +21,9 @@ from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, ex
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
-from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
+from fingerpad.uncertainty.repeats import ContactRepeatability
 from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.

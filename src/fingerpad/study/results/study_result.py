@@ -27,12 +27,7 @@ from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.pooling import Summary, pool_contacts
-from fingerpad.study.results.repeats import (
-    ContactRepeatability,
-    StudyScatter,
-    contact_repeatability,
-    study_scatter,
-)
+from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, study_scatter
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary_file import (
     AgreementRecord,
@@ -52,6 +47,7 @@ from fingerpad.uncertainty import (
     sobol_indices,
     validate_linear_approximation,
 )
+from fingerpad.uncertainty.repeats import ContactRepeatability
 
 _RADIUS: Final = "radius_from_indentation"
 

@@ -24,7 +24,6 @@ from fingerpad.study.measuring.curves import CurveResult, LoadingRadius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
-from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRecord, ValidityRecord
 from fingerpad.study.results.table import COLUMNS, Indices, Row
@@ -52,6 +51,7 @@ from fingerpad.study.results.validity.model_checks import (
 from fingerpad.uncertainty import pad_model, pool, pool_random_effects, propagate
 from fingerpad.uncertainty.discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.uncertainty.press_slope import PressSlope
+from fingerpad.uncertainty.repeats import ContactRepeatability
 from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"

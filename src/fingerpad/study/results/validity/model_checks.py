@@ -13,11 +13,11 @@ from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
-from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.summary_file import CheckRecord, Number, Text
 from fingerpad.study.results.table import Row, first_record
 from fingerpad.uncertainty.propagate import NORMAL_97_5
+from fingerpad.uncertainty.repeats import ContactRepeatability
 
 HOLDS: Final = "holds"
 STRAINED: Final = "strained"
