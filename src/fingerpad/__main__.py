@@ -12,20 +12,13 @@ from typing import Final, TextIO
 from fingerpad._threads import ONE_THREAD
 from fingerpad.exceptions import is_interrupt
 
-_OPTIONAL = {
-    "PIL",
-    "cv2",
-    "jinja2",
-    "filelock",
-    "markupsafe",
-    "matplotlib",
-    "pydantic",
-    "rich",
-    "tifffile",
-    "typer",
-}
-
-
+# Of packages that are not always there, which extra of fingerpad has them.
+_OF_STUDIES: Final = (
+    *("PIL", "cattrs", "cv2", "filelock", "jinja2", "markupsafe", "matplotlib", "pandas", "pydantic"),
+    *("python_calamine", "rich", "roifile", "tifffile", "typer"),
+)
+_OF_PAGE: Final = "fastapi", "plotly", "tomlkit", "uvicorn"
+_EXTRAS: Final = {**dict.fromkeys(_OF_STUDIES, "study"), **dict.fromkeys(_OF_PAGE, "app")}
 _INTERRUPTED: Final = 130
 
 
@@ -36,8 +29,9 @@ def main() -> None:
     try:
         code = _run()
     except ModuleNotFoundError as error:
-        if error.name is not None and error.name.partition(".")[0] in _OPTIONAL:
-            _say(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
+        if extra := _EXTRAS.get((error.name or "").partition(".")[0]):
+            what = "the page" if extra == "app" else "this"
+            _say(f"{what} needs the package {error.name}: pip install 'fingerpad[{extra}]'")
             code = 2
         else:
             _say(f"this cannot be done ({error})")

@@ -9,6 +9,7 @@ import typer
 from typer import Argument, Option
 
 import fingerpad as fp
+from fingerpad._words import counted
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Group
 from fingerpad.cli.scale import WAYS, scale_of_flags
@@ -83,26 +84,18 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
     """
+    from fingerpad.study.imports.ellipses import write_observations
     from fingerpad.study.imports.fiji import UNIT_HINT
 
     mm_per_unit = _mm_per_unit(files, unit, scale)
     ellipses = _read(files)
     relative_std = scale.relative_std if scale else 0.0
     found = rows(ellipses, mm_per_unit=mm_per_unit, relative_scale_std=relative_std, unit_hint=UNIT_HINT)
-    _write(out, ellipses, found, as_json)
-
-
-def _write(
-    out: Path, ellipses: list["MeasuredEllipse"], rows: list["ManualObservation"], as_json: bool
-) -> None:
-    """Write observations, and say what is doubtful of their ellipses and what is still missing."""
-    from fingerpad.study.imports.ellipses import write_observations
-
-    write_observations(out, rows)
+    write_observations(out, found)
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.source}: {doubt}", err=True)
-    show.result([row.as_record() for row in rows], as_json, lambda _: _print_outcome(out, rows))
+    show.result([row.as_record() for row in found], as_json, lambda _: _print_outcome(out, found))
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "fp.Scale | None") -> float:
@@ -137,7 +130,7 @@ def _read(files: list[Path]) -> list["MeasuredEllipse"]:
 
 
 def _print_outcome(out: Path, rows: list["ManualObservation"]) -> None:
-    typer.echo(f"Wrote {out}: {len(rows)} contact{'s' if len(rows) != 1 else ''} measured manually.")
+    typer.echo(f"Wrote {out}: {counted(len(rows), 'contact')} measured manually.")
     lacking = [row for row in rows if row.missing]
     if lacking:
         columns = dict.fromkeys(name for row in lacking for name in row.missing)

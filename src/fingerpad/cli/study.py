@@ -22,7 +22,6 @@ Manifest: TypeAlias = Annotated[Path, Argument(help="The study's manifest.", sho
 Out: TypeAlias = Annotated[
     Path | None, Option(help="Output folder.", show_default="results beside the manifest")
 ]
-_NEEDED_BY_PAGE = {"fastapi", "plotly", "tomlkit", "uvicorn"}
 
 
 def init(
@@ -212,15 +211,9 @@ def app(
     It can be reached from this machine only, through the address that is printed. Without a study the page
     offers those in the current folder. Ctrl-C ends it.
     """
-    try:
-        from fingerpad.web.app import serve
-        from fingerpad.web.workspace import Workspace
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in _NEEDED_BY_PAGE:
-            raise
-        raise FingerpadError(
-            f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
-        ) from None
+    from fingerpad.web.app import serve
+    from fingerpad.web.workspace import Workspace
+
     workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
     if study is not None:
         workspace.open_folder(_folder_of(study), out)
