@@ -21,7 +21,7 @@ from fingerpad.figures import (
     plot_pad_with_contact,
     plot_relaxation,
     plot_uncertainty_budget,
-    save_panels,
+    save_figure,
     svg,
 )
 from fingerpad.figures.marks import Figure
@@ -187,7 +187,7 @@ def test_data_survive_the_file(tmp_path) -> None:
     figure, _ = drawn(PLOTS["radius"])
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
-        drawing, data = save_panels(figure, tmp_path / folder / "radius", description='R < 2 & "more"')
+        drawing, data = save_figure(figure, tmp_path / folder / "radius", description='R < 2 & "more"')
         figure = Figure.of_json(data.read_text("utf-8"))
     for name in ("radius.svg", "radius.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
@@ -198,7 +198,7 @@ def test_a_full_disk_is_named_with_the_way_out(tmp_path) -> None:
     (tmp_path / "drawn.svg").symlink_to("/dev/full")
     figure, _ = new_panels()
     with pytest.raises(FingerpadError, match=r"drawn: cannot be written \(No space left .* make room"):
-        save_panels(figure, tmp_path / "drawn")
+        save_figure(figure, tmp_path / "drawn")
 
 
 def test_ids_differ_between_figures() -> None:

@@ -13,6 +13,7 @@ from .loading import (
 from .marks import new_panels as new_panels
 from .mpl import draw as draw
 from .pad import plot_pad as plot_pad, plot_pad_with_contact as plot_pad_with_contact
+from .publish import save_figure as save_figure
 from .results import (
     plot_agreement as plot_agreement,
     plot_area_against_load as plot_area_against_load,
@@ -27,8 +28,8 @@ from .section import (
     plot_section as plot_section,
     section_figure as section_figure,
 )
-from .style import figure_svg as figure_svg, new_figure as new_figure, save_figure as save_figure
-from .svg import save_panels as save_panels, svg as svg
+from .style import figure_svg as figure_svg, new_figure as new_figure
+from .svg import svg as svg
 from .wedge import (
     dzidek2017_figures as dzidek2017_figures,
     plot_wedge as plot_wedge,

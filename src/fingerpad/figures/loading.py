@@ -27,7 +27,7 @@ from fingerpad.figures.marks import (
     measured,
     synthetic_tag,
 )
-from fingerpad.figures.mpl import AnyAxes, AxesOrPanel, draw, on_axes
+from fingerpad.figures.mpl import AnyAxes, draw, on_axes
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 from fingerpad.loading import FittedForceModel, LoadingFit
 from fingerpad.loading.law_registry import LAWS
@@ -341,7 +341,7 @@ def plot_press(
     t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
     phases = np.asarray(phase)
     below = min(0.0, float(W.min())) if W.size else 0.0
-    every: Sequence[AxesOrPanel] = axes
+    every: Sequence[Any] = axes
     panels = [each if isinstance(each, Panel) else Panel() for each in every]
     for number, panel in enumerate(panels):
         x, panel.x = (W, Axis("normal load W (N)", low=below)) if number % 2 else (t, Axis("time (s)"))

@@ -4,17 +4,7 @@ import base64
 import io
 from collections.abc import Callable
 from functools import wraps
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Concatenate,
-    Final,
-    Literal,
-    ParamSpec,
-    TypeAlias,
-    TypeVar,
-    assert_never,
-)
+from typing import TYPE_CHECKING, Any, Concatenate, Final, Literal, ParamSpec, TypeVar, assert_never
 
 import numpy as np
 from matplotlib.ticker import NullLocator
@@ -41,7 +31,6 @@ if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn witho
 
 Arguments = ParamSpec("Arguments")
 # What is drawn on; it is returned.
-AxesOrPanel: TypeAlias = "Axes | Panel"
 AnyAxes = TypeVar("AnyAxes", "Axes", Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
@@ -64,7 +53,7 @@ def on_axes(
     """Let a function that adds marks to a panel draw on Matplotlib's axes too, and return what it drew on."""
 
     @wraps(plot)
-    def drawn(axes: AxesOrPanel, *args: Arguments.args, **options: Arguments.kwargs) -> AxesOrPanel:
+    def drawn(axes: Any, *args: Arguments.args, **options: Arguments.kwargs) -> Any:
         panel = axes if isinstance(axes, Panel) else Panel()
         plot(panel, *args, **options)
         if not isinstance(axes, Panel):
@@ -127,9 +116,8 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
         case Line() if mark.face:
-            axes.fill(
-                mark.x, mark.y, facecolor=mark.face, edgecolor=mark.colour, linewidth=mark.width, **look
-            )
+            look |= {"facecolor": mark.face, "edgecolor": mark.colour, "linewidth": mark.width}
+            axes.fill(mark.x, mark.y, **look)
         case Line():
             axes.plot(mark.x, mark.y, mark.dash, linewidth=mark.width, clip_on=mark.clipped, **coloured)
         case Band():

@@ -5,19 +5,23 @@ import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
 from threading import Lock
-from typing import Any, Final, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
 
-from matplotlib import figure as mpl_figure
 from matplotlib import text as mpl_text
 from matplotlib.colors import is_color_like, to_hex
 
-from fingerpad.exceptions import FigureError
+from fingerpad.exceptions import FigureError, FingerpadError
 from fingerpad.figures import style
 from fingerpad.figures.marks import AnyMark, Axis, Band, Figure, Line, Panel, Picture, Rule, Text, data_of
 from fingerpad.figures.mpl import draw
 from fingerpad.figures.svg import svg
 from fingerpad.figures.svg_text import runs
+
+if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
+    from matplotlib.figure import Figure as Drawn
 
 Format: TypeAlias = Literal["svg", "pdf", "png", "csv"]
 Scale: TypeAlias = Literal["linear", "log"]
@@ -77,6 +81,67 @@ class FigureSettings:
                 raise FigureError(f"colours: give names or #rrggbb, found {colour!r}")
 
 
+@style.in_style()
+def save_figure(
+    figure: "Figure | Drawn", path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
+) -> tuple[Path, ...]:
+    """Write `path`.svg and `path`.png, the same bytes for the same drawing.
+
+    Of a figure that is kept as data, `path`.json takes the place of the PNG: `fingerpad figure` draws it.
+
+    Parameters
+    ----------
+    figure : Figure
+        Matplotlib's, or one that is kept as data.
+    path : path-like
+        File name without suffix; its last part also goes into the ids of the SVG.
+    description : str
+        Alternative text of the SVG.
+    dpi : float
+        Resolution of the PNG.
+
+    Returns
+    -------
+    tuple of Path
+        The SVG and the other file.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> figure, axes = style.new_figure()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
+    ['empty.svg', 'empty.png']
+    """
+    path = Path(path)
+    if isinstance(figure, Figure):
+        drawing, other = svg(figure, path.name, description=description), "json"
+        content = f"{figure.to_json()}\n".encode()
+    else:
+        layout, other = figure.get_layout_engine(), "png"
+        if layout is not None:  # once for both: left to itself each file takes two, longer than to draw it
+            layout.execute(figure)
+            figure.set_layout_engine("none")
+        content = style.render(figure, "png", dpi=dpi, pil_kwargs={"compress_level": style.PNG_LEVEL})
+        drawing = style.figure_svg(figure, path.name, description=description)
+        figure.set_layout_engine(layout)
+    files = {path.with_name(f"{path.name}.svg"): (style.XML + drawing).encode()}
+    files[path.with_name(f"{path.name}.{other}")] = content
+    try:
+        for file, of_file in files.items():
+            file.write_bytes(of_file)
+    except OSError as error:
+        raise FingerpadError(
+            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another"
+        ) from error
+    return tuple(files)
+
+
 def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes:
     """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time.
 
@@ -92,7 +157,7 @@ def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes
         return style.render(drawn, "pdf") if kind == "pdf" else _png(drawn, settings.dpi)
 
 
-def _png(drawn: mpl_figure.Figure, dpi: float) -> bytes:
+def _png(drawn: "Drawn", dpi: float) -> bytes:
     pixels = [round(dpi * float(inches)) for inches in drawn.get_size_inches()]
     if max(pixels) > _LARGEST_PX:
         raise FigureError(f"dpi: {max(pixels)} pixels are too many: take fewer dots per inch")
@@ -103,7 +168,7 @@ def _png(drawn: mpl_figure.Figure, dpi: float) -> bytes:
 
 
 @style.in_style()
-def draw_figure(figure: Figure) -> mpl_figure.Figure:
+def draw_figure(figure: Figure) -> "Drawn":
     """Return Matplotlib's figure of a figure that is kept as data."""
     shape = {name: getattr(figure, name) for name in ("width_mm", "height_mm", "rows", "columns")}
     drawn, every = style.new_figure(**shape)
@@ -112,8 +177,8 @@ def draw_figure(figure: Figure) -> mpl_figure.Figure:
         axes.set_xlim(*panel.limits("x"))
         axes.set_ylim(*panel.limits("y"))
     factor = figure.font_pt / style.FONT_PT
-    for text in drawn.findobj(mpl_text.Text):
-        text.set_fontsize(factor * float(text.get_fontsize()))
+    for words in drawn.findobj(mpl_text.Text):
+        words.set_fontsize(factor * float(words.get_fontsize()))
     for axes in every:
         axes.tick_params(labelsize=factor * style.TICK_PT)  # of ticks that are not yet there
     return drawn

@@ -6,14 +6,11 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from html import escape
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib as mpl
 from matplotlib import ticker
 
-from fingerpad.exceptions import FingerpadError
 from fingerpad.units import MM_PER_INCH
 
 if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
@@ -148,61 +145,3 @@ def svg_attributes(name: str, drawing: str, description: str) -> tuple[str, str]
     digest = hashlib.sha256(f"{name}\0{drawing}".encode()).hexdigest()
     own = f"figure-{digest[:12]}"
     return own, f'id="{own}"' + (f' role="img" aria-label="{escape(description)}"' if description else "")
-
-
-@in_style()
-def save_figure(
-    figure: "Figure", path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
-) -> tuple[Path, ...]:
-    """Write `path`.svg and `path`.png, the same bytes for the same drawing.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    path : path-like
-        File name without suffix; its last part also goes into the ids of the SVG.
-    description : str
-        Alternative text of the SVG.
-    dpi : float
-        Resolution of the PNG.
-
-    Returns
-    -------
-    tuple of Path
-        The SVG and the PNG.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> figure, axes = new_figure()
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
-    ['empty.svg', 'empty.png']
-    """
-    path, layout = Path(path), figure.get_layout_engine()
-    if layout is not None:  # once for both: left to itself each file takes two, longer than to draw it
-        layout.execute(figure)
-        figure.set_layout_engine("none")
-    png = render(figure, "png", dpi=dpi, pil_kwargs={"compress_level": PNG_LEVEL})
-    drawing = figure_svg(figure, path.name, description=description)
-    figure.set_layout_engine(layout)
-    return write_files(path, svg=f"{XML}{drawing}".encode(), png=png)
-
-
-def write_files(path: Path, **contents: bytes) -> tuple[Path, ...]:
-    """Write files of one name with these suffixes, and return them."""
-    files = {path.with_name(f"{path.name}.{suffix}"): content for suffix, content in contents.items()}
-    try:
-        for file, content in files.items():
-            file.write_bytes(content)
-    except OSError as error:
-        raise FingerpadError(
-            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another"
-        ) from error
-    return tuple(files)

@@ -6,8 +6,6 @@ Lengths are points, 1/72 inch, from the upper left corner.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from os import PathLike
-from pathlib import Path
 from typing import Any, Final, assert_never
 
 import numpy as np
@@ -63,13 +61,6 @@ def svg(figure: Figure, name: str, *, description: str = "") -> str:
         f'height="{height:.2f}pt" viewBox="0 0 {width:.2f} {height:.2f}" font-family="{FONT_FAMILY}">'
         f'<rect width="100%" height="100%" fill="#fff"/>{body.replace("@clip", f"{prefix}-")}</svg>\n'
     )
-
-
-def save_panels(figure: Figure, path: str | PathLike[str], *, description: str = "") -> tuple[Path, ...]:
-    """Write `path`.svg, and `path`.json to draw it from again; the same bytes for the same figure."""
-    path = Path(path)
-    drawing = style.XML + svg(figure, path.name, description=description)
-    return style.write_files(path, svg=drawing.encode(), json=f"{figure.to_json()}\n".encode())
 
 
 def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: float) -> None:

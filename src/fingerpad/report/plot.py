@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec
 
 from markupsafe import Markup
 
-from fingerpad.figures import save_figure, save_panels
+from fingerpad.figures import save_figure
 from fingerpad.figures.marks import Figure, Panel, new_panels
 from fingerpad.units import MM_PER_INCH
 
@@ -45,12 +45,9 @@ def save_plots(
     """
     shown = []
     for plot in plots:
-        path, figure = folder / plot.name, plot.figure
-        if isinstance(figure, Figure):
-            (file, *_), width_mm = save_panels(figure, path, description=plot.caption), figure.width_mm
-        else:
-            file, *_ = save_figure(figure, path, description=plot.caption)
-            width_mm = MM_PER_INCH * figure.get_figwidth()
+        figure = plot.figure
+        file, *_ = save_figure(figure, folder / plot.name, description=plot.caption)
+        width_mm = figure.width_mm if isinstance(figure, Figure) else MM_PER_INCH * figure.get_figwidth()
         width_px = round(_PX_PER_INCH * width_mm / MM_PER_INCH)
         shown.append({"file": file, "caption": plot.caption, "width_px": width_px})
         on_drawn(plot.name.replace("_", " "))
