@@ -84,6 +84,12 @@ _CONTACT: Final = (
         "pooling unless reviewed",
     ),
     Flag(
+        "edge_without_ridges",
+        "no ridges, or fainter ones, lie along the outline: a halo, a window or an earlier print may count",
+        f"clean and dry the glass, state region_of_interest_px or dark_on_light, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
         "edge_hidden",
         "less than 80 % of a smooth contact's edge is seen, for reflections, dirt or faintness",
         f"keep reflections off the edge, state background, or {_REVIEW}",

@@ -491,6 +491,55 @@ def test_patch_cut_by_added_border():
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 
+EARLIER = {"semi_major": 8.0, "semi_minor": 8.0, "seed": 9, "margin": 2.5}
+ROUND = {"semi_major": 5.5, "semi_minor": 5.5, "seed": 2, "margin": 5.0}
+
+
+def from_middle(truth):
+    """How far each pixel lies from the contact's centre, mm."""
+    y, x = np.indices(truth.pixels.shape)
+    return np.hypot(y - truth.centroid[0], x - truth.centroid[1]) * truth.mm_per_px
+
+
+@pytest.mark.parametrize("surround", [120, 20])
+def test_window_in_dark_mount(surround):
+    truth = render_contact_image(**ROUND)
+    ring = from_middle(truth)
+    pixels = np.where(ring < 9, truth.pixels, surround).astype(np.uint8)
+    found = measure_contact_image(pixels, PPI_500)
+    if surround == 20:  # the window itself was taken for the contact
+        assert "edge_without_ridges" in found.flags
+        found = measure_contact_image(pixels, PPI_500, mask=ring < 8.5)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.03)
+    assert not found.flags
+
+
+@pytest.mark.parametrize("corner", [0.5, 0.05])
+def test_dark_corners(corner):
+    truth = render_contact_image(**ROUND)
+    ring = from_middle(truth)
+    found = measure_contact_image(truth.pixels * (1 - (1 - corner) * (ring / ring.max()) ** 2), PPI_500)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.03)
+    assert not found.flags
+
+
+@pytest.mark.parametrize(("width", "share"), [(0.6, 0.6), (1.5, 0.8), (0.8, 0.5)])
+def test_halo_flagged(width, share):
+    truth = render_contact_image(**ROUND)
+    ground, ridge, ring = np.median(truth.pixels), np.percentile(truth.pixels, 2), from_middle(truth)
+    halo = (ring > 5.5) & (ring < 5.5 + width)
+    pixels = np.where(halo, np.minimum(truth.pixels, ground - share * (ground - ridge)), truth.pixels)
+    assert "edge_without_ridges" in measure_contact_image(pixels, PPI_500).flags
+
+
+def test_contact_on_a_larger_earlier_print_flagged():
+    truth, earlier = (render_contact_image(**ROUND | change) for change in ({}, EARLIER))
+    ground = np.median(earlier.pixels)
+    faint = ground - 0.4 * (ground - earlier.pixels.astype(float))
+    found = measure_contact_image(np.minimum(truth.pixels, faint), PPI_500)
+    assert "edge_without_ridges" in found.flags
+
+
 @pytest.mark.parametrize("ppi", [200, 1200])
 def test_wrong_scale_flagged(ppi):
     found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(ppi))

@@ -30,7 +30,7 @@ class EdgeModel:
     deeper: Band = (-1.6, -0.8)  # the one before
     outside: Band = (0.1, 0.3)  # ridges just outside
     beyond: Band = (0.4, 0.7)  # ridges beyond
-    rim: Band = (-1.2, -0.4)  # contrast round the outline
+    rim: Band = (-1.2, -0.4)  # contrast round the outline, and whether there are ridges
     near: Band = (0.0, 0.5)  # contrast just outside
     followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
@@ -38,6 +38,7 @@ class EdgeModel:
     trimmed: float = 0.2  # share of the sectors at either end that does not count
     least: float = 0.03  # contrasts; variations and means are no less
     hardly: float = 0.01  # contrasts; so little beyond does not move the edge: noise leaves it
+    bare: float = 0.45  # of the interior's variation; with less there are no ridges along the outline
 
     # Standard deviation of each place of the outline.
     in_valley_std: float = 0.16  # periods; in a valley that it follows

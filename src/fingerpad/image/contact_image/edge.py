@@ -1,21 +1,26 @@
 """The edge of a contact: where ridges end, how far beyond them the contact does, how certain that is."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import UInt8, distance_to, longest_contour
+from fingerpad.image.contact_image.background import quantile
 from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted
 
+# Share of an outline without ridges beyond which it may be that of something else.
+_MOSTLY: Final = 0.45
 _HALF_LEVEL: Final = 127.5
 # Amounts of ridge, of 255, are taken for no less.
 _LITTLE: Final = 25.5
@@ -66,7 +71,15 @@ class Edge:
     # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
     rim: float = 0.0
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
+    bare: float = (
+        0.0  # share of the outline along which there are no ridges, or much fainter ones than inside
+    )
     step_errors: StepErrors | None = None  # of a contact without ridges
+
+    @property
+    def mostly_bare(self) -> bool:
+        """Whether a halo, a window's border or fainter ridges may have been taken for the contact's edge."""
+        return self.bare > _MOSTLY
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -139,6 +152,7 @@ class FadeSigns(NamedTuple):
     beyond: float  # the same further out, in parts of the interior's contrast
     rim: float  # as in `Edge`
     unevenness: float  # as in `Edge`
+    bare: float  # as in `Edge`
     differs: FloatArray  # (n,); how much less the contrast inside is than elsewhere, of the interior's
 
 
@@ -147,12 +161,18 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     # A quarter of the pixels shows the interior.
     depth = 2 * distance_to(~patch[::2, ::2])
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
-    interior = contact[::2, ::2][deep].mean()
+    few = np.ascontiguousarray(contact[::2, ::2])
+    interior = few[deep].mean()
     ground, inside, outside, beyond, rim, near = _across(
         contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near
     )
     plain = float(ground.mean())
-    contrast = np.float32(max(interior - plain, 1e-9))
+    contrast = np.float32(interior - plain)
+    if not contrast > 0:
+        raise ImageError(
+            "no contact found: the largest patch of ridges does not stand out from what lies around it: give "
+            "dark_on_light, or a region of interest"
+        )
     floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
     # Of the three bands: the variation along the outline that is not noise, in parts of the contrast. Inside
     # and just outside also: how much of the mean contrast that is.
@@ -162,6 +182,9 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     standing_out = seen[:2] / np.maximum(means, EDGE.least)
     shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
     last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
+    side = round(edge.period) | 1
+    varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
+    ridged = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     return FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
@@ -169,6 +192,7 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
         beyond=float(seen[2]),
         rim=float(np.maximum(1 - shown, 0) ** 2),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
+        bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
         differs=np.asarray((rim.mean() - rim) / contrast, dtype=np.float64),
     )
 
@@ -189,7 +213,13 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
         beyond=signs.beyond,
         rim=signs.rim,
         unevenness=signs.unevenness,
+        bare=signs.bare,
     )
+
+
+def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any]]) -> npt.NDArray[Any]:
+    """Return the standard deviation of values about their local means."""
+    return np.asarray(np.sqrt(np.maximum(means(values * values) - means(values) ** 2, 0)))
 
 
 def _across(field: Float32Array, edge: Edge, *bands: Band) -> FloatArray:

@@ -118,6 +118,11 @@ class PreparedContactImage(Displayed):
     _found: tuple[Region, Edge] | None
     _nearby: tuple["PreparedContactImage", ...] = ()
 
+    @property
+    def is_clear(self) -> bool:
+        """Whether a contact with ridges up to its edge was found automatically."""
+        return self._found is not None and self._view.resolved and not self._found[1].mostly_bare
+
     def level_histogram(self) -> tuple[FloatArray, FloatArray]:
         """Return how many pixels have which level, and the bins' edges, to choose a threshold by.
 
@@ -173,36 +178,40 @@ def prepare_contact_image(
     if surface == "smooth":
         view, found, reason = find_smooth(pixels, as_scale(scale), **options)
         return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=None, _found=found)
-    view = view_of(pixels, as_scale(scale), **options)
-    seed, threshold = options.get("seed"), options.get("threshold")
+    scale, seed, threshold = as_scale(scale), options.get("seed"), options.get("threshold")
+    view = view_of(pixels, scale, **options)
     if threshold is not None:
         # One standard uncertainty of the threshold below and above shows what it leaves open.
         nearby = [(1 + way * _THRESHOLD_STD) * threshold for way in (-1, 1)]
-        first, *others = (_prepared(view, level, seed, None) for level in (threshold, *nearby))
+        first, *others = (_prepared(view, level, seed) for level in (threshold, *nearby))
         return replace(first, _nearby=tuple(others))
-    reason = None
-    if not view.contrast > (_NO_CONTRAST if view.resolved else LOW_CONTRAST) * view.noise:
+    prepared = _prepared(view, None, seed)
+    if options.get("dark_on_light") is None and not prepared.is_clear:
+        # Dark corners, or what lies around a window, may have been taken for the ground.
+        options["dark_on_light"] = not view.dark_on_light
+        other = _prepared(view_of(pixels, scale, **options), None, seed)
+        return other if other.is_clear else prepared
+    return prepared
+
+
+def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | None) -> PreparedContactImage:
+    """Tell ridges from valleys, and find the contact unless it is lost in noise."""
+    found, reason = None, None
+    least = (_NO_CONTRAST if view.resolved else LOW_CONTRAST) * view.noise
+    if threshold is None and not view.contrast > least:
         reason = (
             f"no contact found: contrast {view.contrast:.3g} against noise {view.noise:.3g}: "
             "check that the picture shows a print, or give dark_on_light"
         )
         # A manual outline can still be measured: ridges are then those above noise.
         view = replace(view, contrast=max(view.contrast, view.noise, 1e-3))
-    return _prepared(view, None, seed, reason)
-
-
-def _prepared(
-    view: View, threshold: float | None, seed: tuple[float, float] | None, reason: str | None
-) -> PreparedContactImage:
-    """Tell ridges from valleys, and find the contact unless there is a reason against it."""
-    ridges, found = find_ridges(view, threshold), None
+    ridges = find_ridges(view, threshold)
     if reason is None:
         try:
             region = find_region(view, ridges, seed)
+            found = region, trace_edge(view, ridges, region)
         except ImageError as error:
             reason = str(error)
-        else:
-            found = region, trace_edge(view, ridges, region)
     return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
 
 

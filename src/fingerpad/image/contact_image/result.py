@@ -251,6 +251,7 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(view.contact, edge.points, scale.mm_per_px, view.step),
         "ridges_merge": merged,
+        "edge_without_ridges": edge.mostly_bare,
         # Dark places tell of print only between ridges that are seen apart.
         "printed_marks": fine.has_print and view.resolved and not merged,
         "edited_manually": edited,
