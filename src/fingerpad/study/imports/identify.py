@@ -68,11 +68,6 @@ class FileTable:
     columns: tuple[FileColumn, ...]
     rows: tuple[FileRow, ...]
 
-    @property
-    def unknown_columns(self) -> list[str]:
-        """Headers that are not understood; their cells are left alone."""
-        return [column.header for column in self.columns if column.meaning is None and column.header]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JoinedFiles:

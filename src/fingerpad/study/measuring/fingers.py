@@ -12,10 +12,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record, to_record
 from fingerpad.exceptions import FingerpadError
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import (
     FaceSemiAxes,
     PadSemiAxes,
@@ -61,6 +62,12 @@ def radius_deviation(
     apart = math.log(outline / ellipsoid)
     model = max(own + ELLIPSOID_STD**2, apart**2 - seen)
     return apart * model / (model + seen), math.sqrt(max(model * seen / (model + seen) - own, 0.0))
+
+
+def placed(semi_axes: Iterable[ArrayLike], wedge_deg: ArrayLike, roll_deg: ArrayLike = 0.0) -> Placement:
+    """Return the ellipsoid of some semi-axes on its wedge."""
+    wedge, roll = np.radians(wedge_deg), np.radians(roll_deg)
+    return Placement(Ellipsoid(*semi_axes), wedge_angle=wedge, roll_angle=roll)
 
 
 # Wedge angles between which an outline's radius of curvature is interpolated.

@@ -12,12 +12,12 @@ from scipy.optimize import minimize_scalar
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.contact.fast_laws import find_modulus, plate_gap, press
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.geometry import Ellipsoid, Gap, Placement
+from fingerpad.geometry import Gap
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest.models import Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.fingers import FingerResult, placed
 from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of
 from fingerpad.study.results.table import COLUMNS, ColumnArray
 from fingerpad.uncertainty import (
@@ -257,7 +257,7 @@ def _inputs(
 
 
 def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:
-    return plate_gap(Placement(Ellipsoid(*finger.semi_axes), wedge_angle=math.radians(wedge_angle_deg)))
+    return plate_gap(placed(finger.semi_axes, wedge_angle_deg))
 
 
 def _contact_shift(gap: Gap, secant: Secant, thickness: float, poisson_ratio: float) -> float:

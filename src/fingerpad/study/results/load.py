@@ -19,7 +19,9 @@ from scipy import io
 from fingerpad._csv import unescape_formula
 from fingerpad.contact import Tissue, youngs_modulus
 from fingerpad.exceptions import FingerpadError
-from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.geometry import Placement
+from fingerpad.image import SEMI_AXES
+from fingerpad.study.measuring.fingers import placed
 from fingerpad.study.results.output import answers
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
@@ -189,17 +191,9 @@ def measured_pad(
     axes = summary.finger(found.finger)
     if axes is None or math.isnan(axes.palmar_mm):
         raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
-    pad = Ellipsoid(palmar=axes.palmar_mm, distal=axes.distal_mm, radial_ulnar=axes.radial_ulnar_mm)
-    placement = Placement(
-        pad, wedge_angle=math.radians(found.wedge_angle_deg), roll_angle=math.radians(found.roll_angle_deg)
-    )
-    stds = dict(
-        zip(
-            ("palmar", "distal", "radial_ulnar"),
-            map(float, np.sqrt(np.diagonal(axes.covariance_mm2))),
-            strict=True,
-        )
-    )
+    semi_axes = axes.palmar_mm, axes.distal_mm, axes.radial_ulnar_mm
+    placement = placed(semi_axes, found.wedge_angle_deg, found.roll_angle_deg)
+    stds = dict(zip(SEMI_AXES, np.sqrt(np.diagonal(axes.covariance_mm2)).tolist(), strict=True))
     layers = [
         curve.layer
         for curve in summary.curves

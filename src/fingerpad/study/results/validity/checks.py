@@ -17,11 +17,10 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._words import counted
 from fingerpad.contact.fast_laws import law_form, plate_gap, press
 from fingerpad.flags import FLAGS
-from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius
-from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.fingers import FingerResult, placed
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
@@ -296,13 +295,12 @@ def _errors(
 ) -> Iterator[ValidityCheck]:
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
-    wedge, roll = math.radians(row["wedge_angle_deg"]), math.radians(row["roll_angle_deg"])
-    assumed = Placement(Ellipsoid(*case.pad.semi_axes), wedge_angle=wedge, roll_angle=roll)
+    angles = row["wedge_angle_deg"], row["roll_angle_deg"]
+    assumed = placed(case.pad.semi_axes, *angles)
     # Where the outline shows another radius than the ellipsoid's, the pad is larger as a whole.
     larger = row["geometric_mean_radius_mm"] / float(assumed.curvature.geometric_mean_radius)
-    pad = Ellipsoid(*(larger * case.pad.semi_axes))
     better = press(
-        plate_gap(Placement(pad, wedge_angle=wedge, roll_angle=roll)),
+        plate_gap(placed(larger * case.pad.semi_axes, *angles)),
         reduced_modulus=1.0,
         thickness=thickness,
         poisson_ratio=case.study.poisson_ratio,
@@ -598,13 +596,8 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     shape, row, pad = measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
         return _LAYER_SHAPE.untested(case.nothing)
-    placement = Placement(
-        Ellipsoid(*pad.semi_axes),
-        wedge_angle=math.radians(row["wedge_angle_deg"]),
-        roll_angle=math.radians(row["roll_angle_deg"]),
-    )
     form = law_form(
-        plate_gap(placement),
+        plate_gap(placed(pad.semi_axes, row["wedge_angle_deg"], row["roll_angle_deg"])),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
         thickness=pad.effective_thickness,
         poisson_ratio=case.study.poisson_ratio,
