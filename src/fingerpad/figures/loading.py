@@ -118,8 +118,7 @@ def plot_load_residuals(axes: Panel, fit: LoadingFit, *, synthetic: bool = False
     depth = _depths(fit)
     found = fit.predict(depth)
     law, lower, upper = map(as_float_array, (found.value, found.lower, found.upper))
-    main = fit.main
-    off = _MILLI * (fit.load - main.load(fit.rows.displacement))
+    off = _MILLI * (fit.load - fit.main.load(fit.rows.displacement))
     axes.add(
         _interval(depth, _MILLI * (lower - law), _MILLI * (upper - law)),
         Points(fit.indentation, off, marker=".", colour=BLUE, size=2.2, label="measured"),
@@ -226,8 +225,9 @@ def plot_secant_modulus(
     synthetic: bool = False,
 ) -> None:
     """Draw the secant modulus E_g against indentation or load, with the points that were fitted."""
-    x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
-    chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
+    modulus = KPA_PER_MPA * as_float_array(secant_modulus)
+    x, modulus, kept = broadcast(abscissa, modulus, True if fitted_points is None else fitted_points)
+    chosen = kept != 0
     if not chosen.all():
         out = Points(x[~chosen], modulus[~chosen], marker=".", colour=GREY, size=2.5, label="not in the fit")
         axes.add(out)

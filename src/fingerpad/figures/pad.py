@@ -46,7 +46,7 @@ class Camera:
 
 @on_axes
 def plot_pad(
-    axes: Panel, pad: Ellipsoid, *, u_deg: ArrayLike = (0, 30, 45, 60, 90), synthetic: bool = False
+    axes: Panel, pad: Ellipsoid, *, u_deg: ArrayLike = tuple(POINT_COLOURS), synthetic: bool = False
 ) -> None:
     """Draw the ellipsoid, its palmar cap, axes and points of given u (Figs 1 and 4 of Dzidek et al. 2017)."""
     view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))

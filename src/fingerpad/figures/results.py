@@ -4,6 +4,7 @@ Arrays are in mm, mm² and N; a `_std` is a standard uncertainty and is drawn as
 to either side. `synthetic` marks data that were rendered or simulated, for all points or one by one.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, Literal, TypeAlias
@@ -58,23 +59,10 @@ def plot_corrected_radius(
     squares are `compliance_radius`, R_Aξ, to compare with R_g.
     """
     if fixed_geometry_std is not None:
-        bars: dict[str, Any] = {"marker": "", "bar_width": 2.4}
-        label = "_geometry held exact"  # not in the legend
-        axes.add(
-            *measured(
-                load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, label=label, **bars
-            )
-        )
-    axes.add(
-        *measured(
-            load,
-            corrected_radius,
-            y_std=corrected_radius_std,
-            synthetic=synthetic,
-            left_out=left_out,
-            label=r"$R_\mathrm{g}^\mathrm{corr}$",
-        )
-    )
+        thick: dict[str, Any] = {"marker": "", "bar_width": 2.4, "label": "_geometry held exact"}
+        axes.add(*measured(load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, **thick))
+    label, made = r"$R_\mathrm{g}^\mathrm{corr}$", {"synthetic": synthetic, "left_out": left_out}
+    axes.add(*measured(load, corrected_radius, y_std=corrected_radius_std, label=label, **made))
     axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
         # An outline wider than the circle, which would hide a square of nearly the same value.
@@ -128,13 +116,9 @@ def plot_area_against_load(
     Both lines pass through the mean of the logarithms, about which the band of the exponent turns. Points
     without a positive load and area are left out.
     """
-    W, A, std, flags, out = broadcast(
-        load, area, np.nan if area_std is None else area_std, synthetic, left_out
-    )
-    good = (W > 0) & (A > 0)
-    W, A = W[good], A[good]
-    shown = None if area_std is None else std[good]
-    flags, out = flags[good] != 0, out[good] != 0
+    columns = broadcast(load, area, np.nan if area_std is None else area_std, synthetic, left_out)
+    good = (columns[0] > 0) & (columns[1] > 0)
+    W, A, std, made, out = (column[good] for column in columns)
     axes.x, axes.y = Axis("normal load W (N)", log=True), Axis("contact area A (mm²)", log=True)
     axes.legend = "inside"
     if W.size:
@@ -152,7 +136,8 @@ def plot_area_against_load(
             axes.add(Line(line, power_law(exponent), colour=BLUE, label=rf"fit, $A \propto W^{{{said}}}$"))
         label = r"Hertz, $A \propto W^{2/3}$"
         axes.add(Line(line, power_law(2 / 3), dash="--", colour=ORANGE, label=label))
-    axes.add(*measured(W, A, y_std=shown, synthetic=flags, left_out=out, label="area"), *synthetic_tag(flags))
+    shown = None if area_std is None else std
+    axes.add(*measured(W, A, y_std=shown, synthetic=made, left_out=out, label="area"), *synthetic_tag(made))
 
 
 @on_axes
@@ -173,25 +158,22 @@ def plot_aspect_ratio(
     The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
     of the long axis too: its angle is from the finger's axis, counter-clockwise, radians.
     """
-    W, ratio, angle, flags, out = (
-        array.ravel()
-        for array in broadcast(
-            load, aspect_ratio, check_radians("long_axis_angle", long_axis_angle), synthetic, left_out
-        )
+    check_radians("long_axis_angle", long_axis_angle)
+    W, ratio, angle, made, out = map(
+        np.ravel, broadcast(load, aspect_ratio, long_axis_angle, synthetic, left_out)
     )
-    axes.add(
-        *measured(W, ratio, y_std=aspect_ratio_std, synthetic=flags, left_out=out), *synthetic_tag(flags)
-    )
-    for hollow, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
-        for faded, edge in ((out == 0, BLUE), (out != 0, _FADED_EDGE)):
-            mask = hollow & faded
-            if mask.any():
-                axes.add(_shapes(W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=edge))
+    axes.add(*measured(W, ratio, y_std=aspect_ratio_std, synthetic=made, left_out=out))
+    for hollow, faded in itertools.product((False, True), repeat=2):
+        mask = ((made != 0) == hollow) & ((out != 0) == faded)
+        face, edge = "white" if hollow else "#cfe3f1", _FADED_EDGE if faded else BLUE
+        if mask.any():
+            axes.add(_shapes(W[mask], ratio[mask], angle[mask], face=face, edge=edge))
+    axes.add(*synthetic_tag(synthetic))
     if predicted_aspect_ratio is not None:
         at, turn = predicted_aspect_ratio, predicted_long_axis_angle
         axes.add(
             Rule("y", at, colour=ORANGE, dash="--"),
-            _shapes(1.06, at, at, turn, edge=ORANGE, beside=True),
+            _shapes(1.06, at, turn, edge=ORANGE, beside=True),
             _level_name(at, f"Hertz\n{at:.2f}", gap=22),
         )
     axes.x = Axis("normal load W (N)\nshapes as seen through the platen, fingertip up", low=0)
@@ -199,18 +181,12 @@ def plot_aspect_ratio(
 
 
 def _shapes(
-    x: ArrayLike,
-    y: ArrayLike,
-    aspect_ratio: ArrayLike,
-    angle: ArrayLike,
-    *,
-    edge: str,
-    face: str = "white",
-    beside: bool = False,
+    x: ArrayLike, ratio: ArrayLike, angle: ArrayLike, *, edge: str, face: str = "white", beside: bool = False
 ) -> Ellipses:
-    """Return ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
-    size: dict[str, Any] = {"widths": _SHAPE_POINTS, "heights": _SHAPE_POINTS / as_float_array(aspect_ratio)}
-    return Ellipses(x, y, **size, angles_deg=90 + np.degrees(angle), colour=edge, face=face, beside=beside)
+    """Return ellipses of one length, each at its ratio; `beside` takes x in fractions of the frame."""
+    turn, width = 90 + np.degrees(angle), np.full(np.shape(ratio), _SHAPE_POINTS)
+    look: dict[str, Any] = {"colour": edge, "face": face, "beside": beside}
+    return Ellipses(x, ratio, widths=width, heights=width / ratio, angles_deg=turn, **look)
 
 
 _THICKNESS_TICKS: Final = (3, 4, 6, 8, 12, 16)
@@ -235,15 +211,10 @@ def plot_layer_effect(
         Rule("y", 1.0, width=0.8, dash=":"),
         Text("Hertz", 1, 1, right=-2, up=2, frame="x", horizontal="right"),
     )
-    ratios: list[FloatArray] = [
-        np.atleast_1d(as_float_array(ratio)) for ratio in (modulus_ratio, radius_ratio)
-    ]
-    for values, colour, label, side in zip(
-        ratios,
-        (BLUE, VERMILLION),
-        ("E from load and area", r"$R_\mathrm{g} = A/(\pi\xi)$"),
-        (-1, 1),
-        strict=True,
+    ratios = [np.atleast_1d(as_float_array(ratio)) for ratio in (modulus_ratio, radius_ratio)]
+    radius = r"$R_\mathrm{g} = A/(\pi\xi)$"
+    for values, (colour, label, side) in zip(
+        ratios, ((BLUE, "E from load and area", -1), (VERMILLION, radius, 1)), strict=True
     ):
         axes.add(Line(at, values, colour=colour, label=label))
         _mark_ratios(axes, at, values, as_float_array(marked), colour=colour, side=side)

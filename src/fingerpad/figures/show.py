@@ -173,12 +173,10 @@ def _(result: Contact) -> Drawing:
     contacts = [array.ravel() for array in broadcast(result.semi_major, result.semi_minor, result.load)]
     if contacts[0].size > _MAX_CONTACTS:
         raise FingerpadError(f"up to {_MAX_CONTACTS} contacts can be drawn, found {contacts[0].size}")
-    ellipses = Panel(
-        x=Axis("short axis (unit of the radii)"), y=Axis("long axis (unit of the radii)"), equal=True
-    )
-    pressures = Panel(
-        x=Axis("along the long axis (unit of the radii)"), y=Axis("pressure (unit of E*)", low=0)
-    )
+    short, long = Axis("short axis (unit of the radii)"), Axis("long axis (unit of the radii)")
+    ellipses = Panel(x=short, y=long, equal=True)
+    along, pressure = Axis("along the long axis (unit of the radii)"), Axis("pressure (unit of E*)", low=0)
+    pressures = Panel(x=along, y=pressure)
     t = np.linspace(0, 2 * np.pi, 181)
     for major, minor, load in zip(*contacts, strict=True):
         ellipses.add(Line(minor * np.cos(t), major * np.sin(t), colour=BLUE))

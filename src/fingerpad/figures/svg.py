@@ -67,7 +67,7 @@ def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: flo
     """Give all panels frames of one size, such that all that stands outside of the frames has room."""
     shape = figure.rows, figure.columns
     margins = np.zeros((*shape, 4))
-    for _ in range(2):  # what stands beside a frame moves with it
+    for final in (False, True):  # what stands beside a frame moves with it
         left, right = margins[..., 0].max(axis=0), margins[..., 1].max(axis=0)
         top, bottom = margins[..., 2].max(axis=1), margins[..., 3].max(axis=1)
         size = (width - (left + right).sum()) / shape[1], (height - (top + bottom).sum()) / shape[0]
@@ -75,7 +75,7 @@ def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: flo
         x = np.cumsum(left + np.append(0.0, right[:-1] + size[0]))
         y = np.cumsum(top + np.append(0.0, bottom[:-1] + size[1]))
         for place, drawing in zip(np.ndindex(shape), drawings, strict=True):
-            drawing.place(float(x[place[1]]), float(y[place[0]]), *size)
+            drawing.place(float(x[place[1]]), float(y[place[0]]), *size, final=final)
             margins[place] = drawing.margins() + _EDGE
 
 
@@ -119,8 +119,8 @@ class _Drawing:
         self.factor, self.size, self.tick_size = factor, factor * FONT_PT, factor * style.TICK_PT
         self.x, self.y = (_Scale(getattr(panel, name), *panel.limits(name)) for name in ("x", "y"))
 
-    def place(self, left: float, top: float, width: float, height: float) -> None:
-        """Draw in a frame."""
+    def place(self, left: float, top: float, width: float, height: float, *, final: bool) -> None:
+        """Draw in a frame; until it is the final one, only what takes room beside it."""
         if self.panel.equal:
             spans = abs(self.x.high - self.x.low), abs(self.y.high - self.y.low)
             scale = min(width / spans[0], height / spans[1])
@@ -134,7 +134,8 @@ class _Drawing:
         if self.panel.framed:
             self._axes()
         for mark in self.panel.marks:
-            self._draw(mark)
+            if final or isinstance(mark, Text):
+                self._draw(mark)
         if self.panel.title:
             self.texts.append(TextBox(self.panel.title, self.left, self.top - 4, self.size))
         if self.panel.legend:

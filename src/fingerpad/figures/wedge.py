@@ -10,7 +10,7 @@ from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.figures.marks import Axis, Line, Panel, Points, Rule, Text, arrow, synthetic_tag
 from fingerpad.figures.mpl import on_axes
-from fingerpad.figures.pad import plot_pad
+from fingerpad.figures.pad import POINT_COLOURS, plot_pad
 from fingerpad.figures.results import plot_corrected_radius
 from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION, new_figure
 from fingerpad.geometry import Ellipsoid, Placement
@@ -110,34 +110,29 @@ def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
     """
     article = dzidek2017()
     pad = article.semi_axes["ellipse"].ellipsoid
-    figure, (axes,) = new_figure(height_mm=80)
-    plot_pad(axes, pad, u_deg=())
-    yield "dzidek2017_figure_1", figure, "The ellipsoid of Table 1 (ellipse approach) and its axes."
-    figure, (axes,) = new_figure(height_mm=80)
-    plot_pad(axes, pad)
-    yield "dzidek2017_figure_4", figure, "The places u = 0°, 30°, 45°, 60° and 90° on the pad."
+    for number, u_deg, caption in (
+        (1, (), "The ellipsoid of Table 1 (ellipse approach) and its axes."),
+        (4, tuple(POINT_COLOURS), "The places u = 0°, 30°, 45°, 60° and 90° on the pad."),
+    ):
+        figure, (axes,) = new_figure(height_mm=80)
+        plot_pad(axes, pad, u_deg=u_deg)
+        yield f"dzidek2017_figure_{number}", figure, caption
     for angle, wedge in article.wedges.items():
-        theta = np.radians(angle)
+        theta, radius = np.radians(angle), wedge.mean_curvature_radius_mm.value
         k = wedge.semi_minor_mm.value / wedge.semi_major_mm.value
         figure, (left, right) = new_figure(width_mm=170, height_mm=95, columns=2)
         plot_wedge(left, pad, wedge_angle=theta)
         plot_wedge_in_pad_axes(right, pad, wedge_angle=theta)
-        yield (
-            f"dzidek2017_figure_5_{angle}deg",
-            figure,
-            f"The finger on its wedge of {angle}°, and in its own axes.",
-        )
+        caption = f"The finger on its wedge of {angle}°, and in its own axes."
+        yield f"dzidek2017_figure_5_{angle}deg", figure, caption
         figure, (axes,) = new_figure()
         plot_corrected_radius(
             axes,
             wedge.load_N,
-            equivalent_radius_from_indentation(wedge.mean_curvature_radius_mm.value, k),
+            equivalent_radius_from_indentation(radius, k),
             measured_radius=wedge.measured_radius_mm.value,
-            mean_curvature_radius=wedge.mean_curvature_radius_mm.value,
+            mean_curvature_radius=radius,
             printed=wedge,
         )
-        yield (
-            f"dzidek2017_figure_6_{angle}deg",
-            figure,
-            f"Corrected radius at {angle}° and 2 N, from printed numbers.",
-        )
+        caption = f"Corrected radius at {angle}° and 2 N, from printed numbers."
+        yield f"dzidek2017_figure_6_{angle}deg", figure, caption
