@@ -1,7 +1,6 @@
 """The section under a contact: pressure above, shear stress in the tissue, receptors and bone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import matplotlib as mpl
@@ -25,6 +24,8 @@ _COLOURS: Final = "YlOrBr"
 _BONE: Final = "#ece7dc"
 _BONE_SHOWN: Final = 0.09  # of the section's width
 _LABEL_GAP: Final = 2.8  # mm on paper between the labels of receptors
+# Room beside, above and between the axes, and height of the colour bar and of its label, mm on paper.
+_LEFT, _RIGHT, _TOP, _GAP, _FOOT, _BAR, _BAR_LABEL = 11.0, 17.5, 5.0, 2.5, 9.5, 2.6, 10.0
 _HALO: Final = [withStroke(linewidth=1.6, foreground="white")]
 
 
@@ -174,31 +175,6 @@ def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, 
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Layout:
-    """Sizes on paper, mm."""
-
-    width: float
-    left: float = 11.0
-    right: float = 17.5
-    top: float = 5.0
-    gap: float = 2.5
-    label: float = 10.0
-    bar: float = 2.6
-    foot: float = 9.5
-
-    @property
-    def inner(self) -> float:
-        return self.width - self.left - self.right
-
-    @property
-    def pressure(self) -> float:
-        return 0.3 * self.inner
-
-    def box(self, low: float, height: float, total: float) -> tuple[float, float, float, float]:
-        return self.left / self.width, low / total, self.inner / self.width, height / total
-
-
 @in_style()
 def section_figure(
     field: ContactField,
@@ -244,22 +220,25 @@ def section_figure(
     deepest = section.depth[-1]
     if deepest == section.thickness:
         deepest += _BONE_SHOWN * extent
-    layout = _Layout(width=width_mm)
-    depth = layout.inner * deepest / extent
-    low = layout.foot + layout.bar + layout.label
-    high = low + depth + layout.gap
-    total = high + layout.pressure + layout.top
+    inner = width_mm - _LEFT - _RIGHT
+    pressure, depth = 0.3 * inner, inner * deepest / extent
+    low = _FOOT + _BAR + _BAR_LABEL
+    total = low + depth + _GAP + pressure + _TOP
     figure, (empty,) = new_figure(width_mm=width_mm, height_mm=total)
     empty.remove()
     figure.set_layout_engine("none")
-    upper = figure.add_axes(layout.box(high, layout.pressure, total))
-    lower = figure.add_axes(layout.box(low, depth, total), sharex=upper)
-    bar = figure.add_axes(layout.box(layout.foot, layout.bar, total))
+
+    def box(bottom: float, height: float) -> tuple[float, float, float, float]:
+        return _LEFT / width_mm, bottom / total, inner / width_mm, height / total
+
+    upper = figure.add_axes(box(low + depth + _GAP, pressure))
+    lower = figure.add_axes(box(low, depth), sharex=upper)
+    bar = figure.add_axes(box(_FOOT, _BAR))
     plot_contact_pressure(upper, section, hertz=None if hertz is None else hertz.section())
     upper.yaxis.set_major_locator(MaxNLocator(3, steps=_STEPS))
     upper.tick_params(labelbottom=False)
     filled = plot_section(lower, section, highest_shear=field.highest_shear_on_axis())
-    mark_receptors(lower, receptors or {}, spacing=_LABEL_GAP * extent / layout.inner)
+    mark_receptors(lower, receptors or {}, spacing=_LABEL_GAP * extent / inner)
     figure.colorbar(filled, cax=bar, orientation="horizontal", label="maximum shear stress (kPa)")
     bar.grid(visible=False)
     return figure
