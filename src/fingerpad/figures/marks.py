@@ -344,7 +344,7 @@ def measured(
 
     They are small where there are many; `look` has other fields of `Points`.
     """
-    usual = {"size": 1.8, "edge_width": 0.5} if np.size(x) > 80 else {"size": 4.2}
+    usual = {"size": 1.8, "edge_width": 0.5} if max(np.size(x), np.size(y)) > 80 else {"size": 4.2}
     every = Points(x, y, x_std=x_std, y_std=y_std, **({"colour": BLUE} | usual | look))
     data = data_of(every)
     hollow, faded, _ = broadcast(np.ravel(synthetic), np.ravel(left_out), every.x)

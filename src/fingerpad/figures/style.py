@@ -70,12 +70,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
     "errorbar.capsize": CAP_PT,
-    "mathtext.fontset": "dejavusans",
     "pdf.fonttype": 42,  # fonts that a journal can edit
-    "figure.facecolor": "white",
-    "axes.facecolor": "white",
-    "savefig.facecolor": "white",
-    "savefig.bbox": "standard",
     "svg.fonttype": "none",
     "svg.hashsalt": "fingerpad",
 }

@@ -136,8 +136,7 @@ class _Drawing:
         for mark in self.panel.marks:
             if final or isinstance(mark, Text):
                 self._draw(mark)
-        if self.panel.title:
-            self.texts.append(TextBox(self.panel.title, self.left, self.top - 4, self.size))
+        self._write(self.panel.title, self.left, self.top - 4, self.size)
         if self.panel.legend:
             self._legend()
 
@@ -162,19 +161,23 @@ class _Drawing:
             if self.panel.x.lines:
                 grid += f"M{x:.2f} {top:.2f}V{bottom:.2f}"
                 ticks += f"M{x:.2f} {bottom:.2f}v{_TICK}"
-            self.texts.append(TextBox(label, x, below, self.tick_size, "center", "top"))
+            self._write(label, x, below, self.tick_size, horizontal="center", vertical="top")
         for y, label in self.y.ticks(2 * self.tick_size):
             if self.panel.y.lines:
                 grid += f"M{left:.2f} {y:.2f}H{right:.2f}"
                 ticks += f"M{left:.2f} {y:.2f}h-{_TICK}"
-            self.texts.append(TextBox(label, beside, y, self.tick_size, "right", "center"))
+            self._write(label, beside, y, self.tick_size, horizontal="right", vertical="center")
             far = max(far, line_width(label, self.tick_size))
         self._add(f'<path d="{grid}" stroke="{style.GRID}" stroke-width=".5"/>')
         self._add(f'<path d="{ticks}" fill="none" stroke="{style.BLACK}" stroke-width=".6"/>')
-        middle = (left + right) / 2, below + LINE_HEIGHT * self.tick_size + 1
-        self.texts.append(TextBox(self.panel.x.label, *middle, self.size, "center", "top"))
-        middle = beside - far - 0.45 * self.size, (top + bottom) / 2
-        self.texts.append(TextBox(self.panel.y.label, *middle, self.size, "center", turned=True))
+        x, y = (left + right) / 2, below + LINE_HEIGHT * self.tick_size + 1
+        self._write(self.panel.x.label, x, y, self.size, horizontal="center", vertical="top")
+        x, y = beside - far - 0.45 * self.size, (top + bottom) / 2
+        self._write(self.panel.y.label, x, y, self.size, horizontal="center", turned=True)
+
+    def _write(self, text: str, x: float, y: float, size: float, **look: Any) -> None:
+        if text:
+            self.texts.append(TextBox(text, x, y, size, **look))
 
     def _add(self, element: str, *, clipped: bool = False) -> None:
         self.drawn.append(f'<g clip-path="url(#{self.clip})">{element}</g>' if clipped else element)
@@ -245,10 +248,8 @@ class _Drawing:
     def _text(self, mark: Text) -> None:
         x = self._in_frame(mark.x) if mark.frame else float(self.x(mark.x))
         y = self.bottom - mark.y * (self.bottom - self.top) if mark.frame == "xy" else float(self.y(mark.y))
-        place, size = (x + mark.right, y - mark.up), self.size * mark.size / FONT_PT
-        self.texts.append(
-            TextBox(mark.text, *place, size, mark.horizontal, mark.vertical, mark.colour, mark.tag)
-        )
+        look = {name: getattr(mark, name) for name in ("horizontal", "vertical", "colour", "tag")}
+        self._write(mark.text, x + mark.right, y - mark.up, self.size * mark.size / FONT_PT, **look)
 
     def _legend(self) -> None:
         """Draw the legend, marks of one name by one sample."""
@@ -274,7 +275,7 @@ class _Drawing:
                 low = top + (number + 0.55) * row
                 for mark in samples[name]:
                     self._add(_sample(mark, left, low, handle))
-                self.texts.append(TextBox(name, left + step, low, size, vertical="center"))
+                self._write(name, left + step, low, size, vertical="center")
             left += step + width + 1.4 * size
 
 
