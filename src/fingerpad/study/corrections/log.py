@@ -49,10 +49,6 @@ class Record:
     # SHA-256 of what was corrected, as of `picture_digest`.
     picture: str = ""
 
-    def as_json(self) -> dict[str, Any]:
-        """Return it as its line of the file says it."""
-        return asdict(self)
-
     @property
     def words(self) -> str:
         """Who did what, and when."""
@@ -72,11 +68,6 @@ class ActiveCorrection:
     picture: str = ""
     pooling_who: str = ""
     pooling_when: str = ""
-
-    @property
-    def key(self) -> list[Any]:
-        """All of it that results depend on, for a digest."""
-        return [self.item, self.who, self.change.as_json()]
 
 
 def is_rejected(active_correction: ActiveCorrection | None) -> bool:
@@ -199,7 +190,7 @@ def checked_change(model: type[Change], content: Mapping[str, Any], where: str) 
 
 def line_of(record: Record) -> bytes:
     """Return the line of the file that holds a record, with its checksum."""
-    content = record.as_json()
+    content = asdict(record)
     return _dump({**content, "checksum": _checksum(content)}) + b"\n"
 
 
@@ -219,7 +210,7 @@ def record_of(line: bytes) -> Record | None:
         and record.action in ("change", "undo", "redo")
         and isinstance(record.change, dict)
     )
-    if good and checksum is not None and checksum != _checksum(record.as_json()):
+    if good and checksum is not None and checksum != _checksum(asdict(record)):
         raise ValueError("was changed after it was written")
     return record if good else None
 
