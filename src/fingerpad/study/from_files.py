@@ -93,11 +93,12 @@ def start_study(
             left[file] = "nothing states its finger: give --finger NAME"
         elif file not in used and file not in read:
             left[file] = _WORDS.get(new.use, _USELESS)
+    std = loaded.study.uncertainty.load_relative_std  # what every study is started with
     return StartedStudy(
         loaded=loaded,
         taken={file: _WORDS[new.use] for file, (new, _) in found.items() if file in used} | read,
         guesses=(
-            *_beginning(loaded.study),
+            f"load_relative_std = {std:g}: every load is known within {100 * std:g} %",
             *loaded.study.doubts(),
             *problems,
             *(words for file in found if file in used for words in _guesses(*found[file])),
@@ -123,12 +124,6 @@ def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Gu
     identity = identify_file(folder / file)
     guess = guess_of(identity, {})
     return with_guess(named_file(file, identity.kind, ()), guess), guess
-
-
-def _beginning(study: Study) -> Iterator[str]:
-    """Yield what every study is started with."""
-    if std := study.uncertainty.load_relative_std:
-        yield f"load_relative_std = {std:g}: every load is known within {100 * std:g} %"
 
 
 def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[dict[str, str], list[str]]:

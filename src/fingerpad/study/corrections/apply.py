@@ -217,7 +217,7 @@ def prepared_contact(
 
 def measured_under(prepared: PreparedContactImage, correction: ContactCorrection) -> ContactImageResult:
     """Measure a prepared contact image with what a person drew, or what was carried from key frames."""
-    found = prepared.measure(correction.region_edits, correction.manual_ellipse)
+    found = prepared.measure([stroke.edit for stroke in correction.strokes], correction.manual_ellipse)
     return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
 
 

@@ -167,11 +167,6 @@ class ContactCorrection(_Judged):
         return self
 
     @property
-    def region_edits(self) -> list[BrushStroke | RegionPolygon]:
-        """The strokes as `PreparedContactImage.measure` takes them."""
-        return [stroke.edit for stroke in self.strokes]
-
-    @property
     def manual_ellipse(self) -> ImageEllipse | None:
         """The ellipse as `PreparedContactImage.measure` takes it."""
         if self.ellipse_px is None:

@@ -282,12 +282,12 @@ def _identity(
             weights[use] *= _NAMED
     if "face" in reading and kind in {"picture", "table"}:
         by_face = {reading["face"]: 1.0, **{face: 0.0 for face in by_face if face != reading["face"]}}
-    return FileIdentity(kind=kind, uses=_ranked(weights), faces=by_face)
-
-
-def _ranked(weights: Mapping[Use, float]) -> dict[Use, float]:
     whole = sum(weights.values())
-    return {name: weights[name] / whole for name in sorted(weights, key=lambda name: -weights[name])}
+    return FileIdentity(
+        kind=kind,
+        uses={use: weights[use] / whole for use in sorted(weights, key=lambda use: -weights[use])},
+        faces=by_face,
+    )
 
 
 def _table_uses(path: Path) -> dict[Use, float]:

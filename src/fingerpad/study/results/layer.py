@@ -50,7 +50,8 @@ _MOST_UNDEFINED: Final = 1e-3  # of the draws of a Monte Carlo
 
 def unit_of(output: str) -> tuple[str, float]:
     """Return the unit of an output in tables, as names end with it, and its factor."""
-    return ("kpa", KPA_PER_MPA) if "modulus" in output else ("mm", 1.0)
+    of_stress = "modulus" in output or "pressure" in output
+    return ("kpa", KPA_PER_MPA) if of_stress else ("mm", 1.0)
 
 
 def both_models(**inputs: FloatArray) -> dict[str, FloatArray]:

@@ -73,7 +73,8 @@ class NewResultSet:
 
     def write_sums(self) -> None:
         """Write the list of all files with their digests."""
-        names = _names_in(self.folder)
+        files = (path for path in self.folder.rglob("*") if path.is_file())
+        names = sorted(path.relative_to(self.folder).as_posix() for path in files)
         sums = "".join(
             f"{self._digests.get(name) or sha256_of(self.folder / name)}  {name}\n" for name in names
         )
@@ -182,10 +183,6 @@ def require_result_set(out: Path) -> None:
     if (inner / SUMS_NAME).is_file():
         raise FingerpadError(f"{out}: no finished run there, but in {inner}: name that folder")
     raise FingerpadError(f"{out}: no finished run there; `fingerpad run STUDY --out FOLDER` makes one")
-
-
-def _names_in(folder: Path) -> list[str]:
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
 def _listed(folder: Path) -> tuple[dict[str, str], list[str]]:

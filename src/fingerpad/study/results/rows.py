@@ -18,12 +18,11 @@ from fingerpad.image import implausible_size
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult, placed
-from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
+from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns, unit_of
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.uncertainty.repeats import ContactRepeatability
-from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.
 PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
@@ -291,7 +290,10 @@ def _modelled(
         "gross_area_mm2_repeatability_std": 2 * seen["gross_area_mm2"] * deviation_std,
         "indentation_over_thickness": value["indentation"] / thickness,
     }
-    for name, unit, factor in _with_columns(value):
+    for name in value:
+        unit, factor = unit_of(name)
+        if f"{name}_{unit}" not in COLUMNS:
+            continue
         columns[f"{name}_{unit}"] = factor * value[name]
         columns[f"{name}_{unit}_std"] = factor * std[name]
         for part, by_output in modelled.std_from.items():
@@ -299,14 +301,6 @@ def _modelled(
                 columns[f"{name}_{unit}_{part}_std"] = factor * by_output[name]
     columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
     return columns
-
-
-def _with_columns(outputs: Iterable[str]) -> Iterator[tuple[str, str, float]]:
-    """Yield each output that has a column, with the unit of that and its factor."""
-    for name in outputs:
-        for unit, factor in (("mm", 1.0), ("kpa", KPA_PER_MPA)):
-            if f"{name}_{unit}" in COLUMNS:
-                yield name, unit, factor
 
 
 def _outline_radii(seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult]) -> dict[str, ColumnArray]:
