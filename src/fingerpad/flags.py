@@ -114,6 +114,11 @@ _SCALE: Final = (
         "light the coin from straight above, or mark a line of known length",
     ),
     Flag(
+        "coin_tilted",
+        "the coin is seen at a slant: lengths across the tilt are too small, which is in the scale's uncertainty",
+        "hold the camera square to it, or photograph a grid, which rectifies the pictures",
+    ),
+    Flag(
         "grid_tilted",
         "the grid is tilted: the scale differs with place and direction, which is in its uncertainty",
         "rectify the pictures by their grid, or hold the camera square to it",

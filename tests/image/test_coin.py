@@ -50,6 +50,7 @@ def test_place_and_tilt(measured):
             turn = (coin.orientation - truth.orientation + math.pi / 2) % math.pi - math.pi / 2
             assert abs(turn) < 0.05
             assert coin.tilt == pytest.approx(math.acos(float(truth.ellipse.axis_ratio)), abs=0.04)
+            assert "coin_tilted" in coin.flags
 
 
 def test_scale_uncertainty():
@@ -61,6 +62,12 @@ def test_scale_uncertainty():
     )
     with pytest.raises(CalibrationError, match="length_mm must be positive"):
         coin.scale(0.0)
+
+
+def test_area_beside_a_tilted_coin_is_uncertain_by_what_is_shortened():
+    coin = measure_coin(render_coin(radius=90, tilt=0.6, shape=(260, 280)).pixels)
+    assert "coin_tilted" in coin.flags
+    assert 2 * coin.scale(23.25).relative_std == pytest.approx(1 - math.cos(0.6), abs=0.02)
 
 
 def test_shadow_is_flagged():

@@ -29,6 +29,8 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
+# A tilt that shortens a semi-axis by this share is one.
+_MIN_TILTED: Final = 0.02
 # Contours are drawn at so many levels, and ellipses fitted to so many draws of six points of each.
 _LEVELS, _DRAWS = 16, 25
 _MIN_RADIUS_PX, _MIN_AXIS_RATIO = 10.0, 0.6
@@ -95,7 +97,8 @@ class Coin(Displayed):
     shadow : float
         Depth of a shadow beside the edge, as a share of the contrast between coin and background.
     flags : tuple of str
-        Doubts: ``coin_shadow`` where it may shift the edge by more than the stated uncertainty.
+        Doubts: ``coin_shadow`` where it may shift the edge by more than the stated uncertainty,
+        ``coin_tilted`` where a tilt shortens one semi-axis by more than 2 %.
 
     Examples
     --------
@@ -143,13 +146,15 @@ class Coin(Displayed):
             If the diameter is not positive and finite, or its uncertainty negative.
         """
         row, column = self.centre
+        # What lies in the coin's plane is shortened across the tilt too, and its area as much.
+        shortened = self.semi_major - self.semi_minor if "coin_tilted" in self.flags else 0.0
         return Scale.of_line(
             diameter_mm,
             (row, column - self.semi_major),
             (row, column + self.semi_major),
             length_mm_std=diameter_mm_std,
             # Two ends of independent error make √2 of one: the diameter's own error is twice the radius's.
-            point_px_std=math.sqrt(2) * self.semi_major_std,
+            point_px_std=math.sqrt(2) * math.hypot(self.semi_major_std, shortened / 2),
         )
 
 
@@ -308,6 +313,11 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     x, y, semi_major, semi_minor, angle = fit.ellipse.parameters
     moved = math.hypot(COIN_EDGE.lens_px, relative * semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
+    short = semi_major - semi_minor
+    doubts = {
+        "coin_shadow": shadowed or shadow > _DEEP_SHADOW,
+        "coin_tilted": short > max(_MIN_TILTED * semi_major, 3 * math.hypot(major_std, minor_std)),
+    }
     return Coin(
         centre=(y, x),
         semi_major=semi_major,
@@ -318,7 +328,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         residual_std=fit.residual_std,
         support=outline.support,
         shadow=shadow,
-        flags=("coin_shadow",) if shadowed or shadow > _DEEP_SHADOW else (),
+        flags=tuple(flag for flag, doubted in doubts.items() if doubted),
     )
 
 
