@@ -115,7 +115,7 @@ _SCALE: Final = (
     ),
     Flag(
         "coin_tilted",
-        "the coin is seen at a slant: lengths across the tilt are too small, which is in the scale's uncertainty",
+        "the coin is seen at a slant: lengths across the tilt are too small, which is in its uncertainty",
         "hold the camera square to it, or photograph a grid, which rectifies the pictures",
     ),
     Flag(

@@ -75,6 +75,29 @@ def test_area_and_axes_are_within_their_uncertainty(contrast, reflection, with_b
     assert set(found.flags) <= {"edge_hidden"}
 
 
+@pytest.mark.parametrize("with_background", [True, False])
+def test_the_body_around_a_contact_is_a_doubt(with_background):
+    image, ground = _picture(contrast=-60.0, size=0.5)
+    rows, columns = np.mgrid[:240, :260]
+    body = np.hypot(rows - _CENTRE[0], columns - _CENTRE[1]) < 80
+    found = measure_contact_image(
+        np.where(body, 0.7 * image, image),
+        _SCALE,
+        surface="smooth",
+        background=ground if with_background else None,
+    )
+    true = 0.25 * _AREA
+    assert "edge_unclear" in found.flags or found.gross_area == pytest.approx(true, rel=0.03)
+
+
+def test_a_mask_that_hardly_reaches_the_rim():
+    image, _ = _picture()
+    mask = np.zeros(image.shape, bool)
+    mask[22:218, 40:200] = True
+    found = measure_contact_image(image, _SCALE, surface="smooth", mask=mask)
+    assert found.gross_area == pytest.approx(_AREA, rel=0.03)
+
+
 def test_all_that_concerns_ridges_is_empty():
     image, ground = _picture()
     found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)

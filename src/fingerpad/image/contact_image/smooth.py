@@ -30,6 +30,11 @@ _COPY_SIDE: Final = 500
 # A person draws an edge within so many mm, but no finer than so many px of the copy.
 _DRAWN_MM: Final = 0.45
 _DRAWN_PX: Final = 3.0
+# A step within this share of another is one inside it, where it is as clear as this and as high, as a share.
+_WELL_INSIDE: Final = 0.9
+_NESTED_SCORE: Final = 0.6
+_NESTED_HEIGHT: Final = 0.1
+_LEAST_AROUND_PX: Final = 20
 _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"
@@ -55,7 +60,7 @@ def find_smooth(
     best = steps[0]
     if problem := _problem(best, options.get("contrast")):
         return view, None, problem
-    edge = _edge(best, view)
+    edge = _edge(best, view, nested=_nested(best, values, light, inside))
     patch = filled_polygon(edge.points, view.inside.shape) > 0
     return view, (Region(patch=np.asarray(patch), several=_several(steps)), edge), None
 
@@ -152,6 +157,22 @@ def _ground(step: Step) -> float:
     return step.noise * (SMOOTH.crest_contrast if step.ring else 1.0)
 
 
+def _nested(
+    step: Step, values: npt.NDArray[np.float32], light: npt.NDArray[np.float32] | None, inside: BoolArray
+) -> bool:
+    """Return whether another step the same way lies inside: that of the contact in the body that casts it."""
+    if step.radius < _LEAST_AROUND_PX:
+        return False
+    centre = step.points.mean(axis=0)
+    within = filled_polygon(centre + _WELL_INSIDE * (step.points - centre), inside.shape) > 0
+    return any(
+        one.sign == step.sign
+        and min(one.score, one.seen) > _NESTED_SCORE
+        and one.height > _NESTED_HEIGHT * step.height
+        for one in find_steps(values, light, inside & within)
+    )
+
+
 def _several(steps: list[Step]) -> bool:
     """Return whether another step of some clarity lies round another patch."""
     best = steps[0]
@@ -192,7 +213,7 @@ def _view(
     )
 
 
-def _edge(step: Step, view: View) -> Edge:
+def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     """Return a step as the edge of a contact in the copy, moved to where the contact ends."""
     shift, shared, unclear = _beyond(step)
     doubts = {"low_contrast"} if step.height < SMOOTH.low_contrast * _ground(step) else set()
@@ -200,7 +221,7 @@ def _edge(step: Step, view: View) -> Edge:
         doubts.add("touches_border")
     elif step.seen < SMOOTH.least_seen:
         doubts.add("edge_hidden")
-    if unclear or shared > SMOOTH.most_shared * step.radius:
+    if nested or unclear or shared > SMOOTH.most_shared * step.radius:
         doubts.add("edge_unclear")
     points = step.points + outward_normals(step.points, 2) * shift
     corner = np.array(view.corner[::-1])

@@ -149,7 +149,7 @@ def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
     row, column = np.nonzero(some & inside)
     base = quadratic_terms(np.linspace(-1, 1, columns)[column], np.linspace(-1, 1, rows)[row])
     level, rim = values[row, column], _rim(inside)[row, column]
-    weight = rim.astype(np.float64)
+    weight = np.where(rim.any(), rim, True).astype(np.float64)  # of a mask few places may be at the rim
     ground = np.zeros(len(level))
     for _ in range(12):
         found = as_float_array(np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0])
