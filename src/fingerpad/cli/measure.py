@@ -17,6 +17,7 @@ from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit, Group
 from fingerpad.cli.scale import WAYS, numbers_of, scale_of_flags
 from fingerpad.exceptions import CalibrationError, ImageError, LoadingError, reason_of
+from fingerpad.flags import Flagged
 
 Item = TypeVar("Item")
 Side: TypeAlias = Literal["up", "down", "left", "right"]
@@ -27,6 +28,7 @@ Roi: TypeAlias = Annotated[
 
 # The quantity of --column that is the time in the table of --times.
 _FRAME_TIME: Final = "frame_time"
+_EXACT: Final = "scale taken as exact"
 
 app = typer.Typer(cls=Group, rich_markup_mode=None, help="Measure pictures.", no_args_is_help=True)
 
@@ -123,9 +125,7 @@ def measure_prints(
         }
 
     def print_block(record: dict[str, Any]) -> None:
-        show.text(record)
-        _print_if_exact(record.get("mm_per_px_std"))
-        show.flags(record, "contact", "scale")
+        _print_measured(record, "contact", record.get("mm_per_px_std"))
         typer.echo()
 
     records = (_record_of(path, measured) for path in _tracked(images, len(images)))
@@ -178,14 +178,9 @@ def measure_photo(
             image.write_overlay(overlays[path], pixels, found)
         return found.as_record()
 
-    def print_block(record: dict[str, Any]) -> None:
-        # By term it would fill the screen.
-        show.text({key: value for key, value in record.items() if key != "uncertainty_mm_std"})
-        _print_if_exact(None if "error" in record else scale.mm_per_px_std)
-        show.flags(record, "photograph", "scale")
-
     record = _record_of(file, measured)
-    show.result(record, as_json, print_block)
+    std = None if "error" in record else scale.mm_per_px_std
+    show.result(record, as_json, lambda _: _print_measured(record, "photograph", std))
     show.folder("Overlays", overlay_dir, as_json)
     if "error" in record:
         raise typer.Exit(Exit.SOME_FAILED)
@@ -233,7 +228,8 @@ def measure_frames(
         raise LoadingError("--column names columns of --force: give it too")
     with columns_named_by(options.column_flags):
         signal = None if force is None else image.read_force_signal(force, columns)
-    clock = _clock(frames, frames_per_second, signal, start_s, contact_load_n, times, frame_time)
+    aligned = {"start_s": start_s, "contact_load_n": contact_load_n}
+    clock = _clock(frames, signal, times, frame_time, frames_per_second=frames_per_second, **aligned)
     options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
         make_folder(overlay_dir)
@@ -246,8 +242,8 @@ def measure_frames(
     results = image.measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **settings)
     shown = _printed(_tracked(results, len(frames)), as_json, image.FrameResult.as_record, _print_frame)
     summary = image.sequence_summary(shown, signal, frames=frames, clock=clock)
-    if not as_json:
-        _print_if_exact(scale.mm_per_px_std)
+    if not as_json and scale.mm_per_px_std == 0:
+        typer.echo(_EXACT)
     show.folder("Overlays", overlay_dir, as_json)
     for note in summary.notes:
         show.note(note)
@@ -265,22 +261,15 @@ def _print_frame(result: "image.FrameResult") -> None:
 
 def _clock(
     frames: "image.Frames",
-    frames_per_second: float | None,
     signal: "image.ForceSignal | None",
-    start_s: float | None,
-    contact_load: float | None,
     times: Path | None,
     frame_time: str | None,
+    **aligned: float | None,
 ) -> "image.FrameClock | None":
-    """Return the frames' clock, or None where no rate is known."""
+    """Return the frames' clock, or None where no rate is known; --times has no use for what is `aligned`."""
     from fingerpad._columns import columns_named_by
 
-    aligned = {
-        "--frames-per-second": frames_per_second,
-        "--start-s": start_s,
-        "--contact-load-n": contact_load,
-    }
-    idle = [flag for flag, value in aligned.items() if value is not None]
+    idle = [f"--{name.replace('_', '-')}" for name, value in aligned.items() if value is not None]
     if times is not None:
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
@@ -288,11 +277,11 @@ def _clock(
             return image.read_frame_stamps(times, None if frame_time is None else {"time": frame_time})
     if frame_time is not None:
         raise LoadingError(f"--column {_FRAME_TIME}=NAME:UNIT names the column of --times: give it too")
-    rate = frames.frames_per_second if frames_per_second is None else frames_per_second
+    start, load, rate = (aligned[name] for name in ("start_s", "contact_load_n", "frames_per_second"))
+    if rate is None:
+        rate = frames.frames_per_second
     if rate is not None:
-        return image.frame_clock(
-            rate, signal, start_time=start_s, contact_load=contact_load, numbers=frames.numbers
-        )
+        return image.frame_clock(rate, signal, start_time=start, contact_load=load, numbers=frames.numbers)
     if signal is not None:
         raise LoadingError("--force needs the times of the frames: give --frames-per-second or --times")
     return None
@@ -359,6 +348,10 @@ def _overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
     return files
 
 
-def _print_if_exact(mm_per_px_std: float | None) -> None:
+def _print_measured(record: Mapping[str, Any], kind: Flagged, mm_per_px_std: float | None) -> None:
+    """Print a record, whether its scale is exact, and what its flags mean."""
+    # The uncertainty by its terms would fill the screen.
+    show.text({key: value for key, value in record.items() if key != "uncertainty_mm_std"})
     if mm_per_px_std == 0:
-        typer.echo("scale taken as exact")
+        typer.echo(_EXACT)
+    show.flags(record, kind, "scale")

@@ -15,7 +15,6 @@ from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
-    from fingerpad.study.status import Status, Verification
     from fingerpad.web.app import Launch
 
 Manifest: TypeAlias = Annotated[Path, Argument(help="The study's manifest.", show_default=False)]
@@ -158,20 +157,20 @@ def status(study: Manifest, out: Out = None, as_json: options.AsJson = False) ->
 
     found = study_status(study, out)
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
-    show.result(record, as_json, lambda _: _print_status(found))
+
+    def print_text(_: object) -> None:
+        for name in ("done", "failed", "stale", "left"):
+            cost = found.seconds[name]
+            typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
+        typer.echo(f"{'total':<7} {found.total:>6}")
+        for item in found.failed_items:
+            typer.echo(f"failed: {item}")
+        for fault in found.faults:
+            typer.echo(f"fault: {fault}", err=True)
+
+    show.result(record, as_json, print_text)
     if found.faults:
         raise typer.Exit(Exit.SOME_FAILED)
-
-
-def _print_status(found: "Status") -> None:
-    for name in ("done", "failed", "stale", "left"):
-        cost = found.seconds[name]
-        typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
-    typer.echo(f"{'total':<7} {found.total:>6}")
-    for item in found.failed_items:
-        typer.echo(f"failed: {item}")
-    for fault in found.faults:
-        typer.echo(f"fault: {fault}", err=True)
 
 
 def verify(study: Manifest, out: Out = None, as_json: options.AsJson = False) -> None:
@@ -182,18 +181,18 @@ def verify(study: Manifest, out: Out = None, as_json: options.AsJson = False) ->
     from fingerpad.study.status import verify_study
 
     found = verify_study(study, out)
-    show.result(asdict(found), as_json, lambda _: _print_verified(found))
+
+    def print_text(_: object) -> None:
+        for name, holds in found.intact.items():
+            typer.echo(f"intact   {name}: {holds}")
+        for name in found.changed_inputs:
+            typer.echo(f"changed  {name}: not what it was at the last run")
+        for fault in found.faults:
+            typer.echo(f"fault    {fault}")
+
+    show.result(asdict(found), as_json, print_text)
     if found.faults:
         raise typer.Exit(Exit.SOME_FAILED)
-
-
-def _print_verified(found: "Verification") -> None:
-    for name, holds in found.intact.items():
-        typer.echo(f"intact   {name}: {holds}")
-    for name in found.changed_inputs:
-        typer.echo(f"changed  {name}: not what it was at the last run")
-    for fault in found.faults:
-        typer.echo(f"fault    {fault}")
 
 
 def app(
