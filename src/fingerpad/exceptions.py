@@ -71,6 +71,9 @@ class ManifestError(FingerpadError, ValueError):
 def is_interrupt(error: BaseException | None) -> bool:
     """Return whether an interrupt caused an error, as imports raise other errors for one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
+        # Of one that comes while it makes a model, pydantic keeps the name alone.
+        if type(error).__name__ == "SchemaError" and "KeyboardInterrupt" in str(error):
+            return True
         error = error.__cause__
     return error is not None
 

@@ -202,6 +202,12 @@ def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
             "fingerpad.published.audit",
             "def instead():\n    raise ImportError('initialization failed') from KeyboardInterrupt()\n",
         ),
+        # A model that pydantic makes turns one into words.
+        (
+            "fingerpad.published.audit",
+            "from pydantic_core import SchemaError\n"
+            "def instead():\n    raise SchemaError('Error building model: KeyboardInterrupt:')\n",
+        ),
         # A class that is being made turns one into a RuntimeError, before any command runs.
         (
             "fingerpad.__main__._open_streams",
