@@ -17,8 +17,7 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.results.by_load import pool_by_load
-from fingerpad.study.results.repeats import contact_repeatability, study_scatter
+from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.summary_file import AtLoadRecord
 from fingerpad.uncertainty import nested_scatter, pad_model

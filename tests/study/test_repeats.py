@@ -14,10 +14,9 @@ from fingerpad.study.manifest.models import ContactSequence, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.repeats import contact_repeatability, study_scatter
+from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import records
 from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads

@@ -24,10 +24,9 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.pooling import Summary, pool_contacts
-from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, study_scatter
+from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary_file import (
     AgreementRecord,
