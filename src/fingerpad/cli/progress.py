@@ -9,6 +9,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, TextIO
 
+from fingerpad._files import named_if_unwritten
 from fingerpad.exceptions import FingerpadError
 
 if TYPE_CHECKING:
@@ -33,13 +34,9 @@ class ProgressDisplay:
             self._start, self._before = monotonic(), progress.pictures
         if self._log is not None:
             time = datetime.now(UTC).isoformat(timespec="milliseconds")
-            try:
+            way_out = "what was measured is kept; choose another --log and run again to go on"
+            with named_if_unwritten(Path(self._log.name), way_out):
                 print(json.dumps({"time": time, **asdict(progress)}), file=self._log, flush=True)
-            except OSError as error:
-                raise FingerpadError(
-                    f"{self._log.name}: cannot be written ({error.strerror}): what was measured is kept; "
-                    "choose another --log and run again to go on"
-                ) from error
         seconds = monotonic() - self._start
         rate = (progress.pictures - self._before) / seconds if seconds > 0 else 0.0
         self._bar.update(
@@ -99,12 +96,10 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
 
 def _opened(log: Path) -> TextIO:
     """Open a log to add to, a new one or that of an earlier run: never a file of the study."""
-    try:
+    with named_if_unwritten(log, "choose another --log"):
         file = log.open("a+", encoding="utf-8", errors="replace")
         file.seek(0)
         beginning = file.read(len(_BEGINNING))
-    except OSError as error:
-        raise FingerpadError(f"{log}: cannot be written ({error.strerror}): choose another --log") from error
     if beginning not in {"", _BEGINNING}:
         file.close()
         raise FingerpadError(f"{log}: is no log of fingerpad's: choose another --log")

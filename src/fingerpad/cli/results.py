@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import typer
 from typer import Argument, Option
 
+from fingerpad._files import named_if_unwritten
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
@@ -88,10 +89,8 @@ def figure(
             f"{file}: not a figure of a report: name a file of results/figures that ends in .json"
         ) from error
     content = figure_file(drawn, kind, settings)
-    try:
+    with named_if_unwritten(out, "choose another --out"):
         out.write_bytes(content)
-    except OSError as error:
-        raise FigureError(f"{out}: cannot be written ({error.strerror}): choose another --out") from error
     typer.echo(f"Wrote {out}")
 
 

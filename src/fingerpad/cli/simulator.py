@@ -126,14 +126,7 @@ def _record(
         "drake": law.drake_modulus().as_record(),
         "mujoco": mujoco.as_record(),
         "finite_elements": elements.as_record() if elements else None,
-        "table": {
-            "model": law.model,
-            "load_N": law.load,
-            "load_N_std": law.load_std,
-            "indentation_mm": law.indentation,
-            "area_mm2": law.area,
-            "area_mm2_std": law.area_std,
-        },
+        "table": law.as_record(),
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -81,6 +81,23 @@ class SimulatorLaw(Displayed):
     load_std: FloatArray
     area_std: FloatArray
     model: str
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the law as a table, by names that end in units.
+
+        Returns
+        -------
+        dict
+            For tables and scripts.
+        """
+        return {
+            "model": self.model,
+            "load_N": self.load,
+            "load_N_std": self.load_std,
+            "indentation_mm": self.indentation,
+            "area_mm2": self.area,
+            "area_mm2_std": self.area_std,
+        }
 
     def pressure_by_depth(self) -> PressureByDepth:
         """Return the pressure by depth of overlap with which an elastic foundation has the pad's load.
