@@ -35,7 +35,6 @@ DRAWN_NAME: Final = ".drawn"
 _APPLICATION_ID: Final = 0x66706164
 _AWAY: Final = "move it away and run again, which measures everything again"
 
-
 TaskState: TypeAlias = Literal["done", "failed"]
 _STATUSES: Final = get_args(TaskState)
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})

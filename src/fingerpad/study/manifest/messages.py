@@ -12,7 +12,6 @@ from fingerpad.study.manifest.models import TAGS, Loc, ManifestModel, ScaleTable
 
 _SCALE_KEYS: Final = frozenset(key for table in ScaleTable.__args__ for key in table.model_fields)
 
-
 Model = TypeVar("Model", bound=BaseModel)
 
 

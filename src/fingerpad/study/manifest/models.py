@@ -52,7 +52,6 @@ Pixel = Annotated[float, _NEAR]
 # Names become file names: letters, digits and . _ + - only.
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 
-
 # Where something is in a table: keys, and numbers in lists.
 Loc: TypeAlias = tuple[int | str, ...]
 
@@ -100,7 +99,6 @@ Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), Bef
 Box: TypeAlias = Annotated[
     list[Annotated[int, _NEAR]], Field(min_length=4, max_length=4), BeforeValidator(_listed)
 ]
-
 
 MarkStd = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 Mark = Annotated[list[Annotated[Pixel, Field(ge=0)]], Field(min_length=2, max_length=2)]
@@ -475,7 +473,6 @@ class ContactSequence(PlacedFinger):
 
 
 Contact: TypeAlias = Observation | ContactSequence
-
 
 _KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
 _FILE_KEYS = frozenset(

@@ -29,7 +29,6 @@ _TABLE_COLUMNS: Final = {
     "scale": {"ppi": "ppi", "mm_per_px": "mm_per_px", "scale_relative_std": "relative_std"},
 }
 
-
 _KEYS: Final = frozenset(Observation.model_fields).union(*_TABLE_COLUMNS.values())
 # Keys whose cells repeat, so that they are kept once.
 _REPEATED: Final = frozenset(("finger", "session", "scale", "background"))

@@ -220,7 +220,6 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
 _ROUNDING: Final = 1e-9
 _ON_LAYER: Final = "youngs_modulus_on_layer"
 
-
 _ENDS: Final = (
     *("", "_std", "_ci95_low", "_ci95_high"),
     *(f"_{part}_std" for part in ("noise", "repeatability", "session", "edge", "other", "model")),

@@ -74,7 +74,6 @@ COLUMNS: Final[Mapping[str, Column]] = {
 }
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
-
 Row: TypeAlias = dict[str, Any]
 Indices: TypeAlias = npt.NDArray[np.intp]
 
