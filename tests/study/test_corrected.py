@@ -9,6 +9,7 @@ import pytest
 from benchmarks.claims.engine import measured_scales
 from tests.studies import contact, finger, picture, sequence, study_of
 
+from fingerpad._records import to_record
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image, read_image
 from fingerpad.simulate import render_contact_image, render_finger
 from fingerpad.study.corrections.apply import (
@@ -71,7 +72,7 @@ def finger_of(finger, scales, folder, out, active_corrections):
     """Measure a finger's photographs as a run does, and combine them."""
     context = RunContext(study=STUDY, folder=folder, active_corrections=active_corrections, scales=scales)
     tasks = (task for one in photograph_items(finger, context) for stage in one.stages() for task in stage)
-    records = {task.item: task.work(folder, out) for task in tasks}
+    records = {task.item: to_record(task.work(folder, out)) for task in tasks}
     return finger_result(finger, scales, folder, records, active_corrections)
 
 

@@ -13,11 +13,13 @@ from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
+from fingerpad._records import to_record
 from fingerpad.exceptions import StoreError, reason_of
 
 Record: TypeAlias = dict[str, Any]
-# Measures something of the study folder, draws into another, and returns what it found.
-Work: TypeAlias = Callable[[Path, Path], Record]
+# Measures something of the study folder, draws into another, and returns what it found: a dataclass, or a
+# mapping of dataclasses, arrays and plain values.
+Work: TypeAlias = Callable[[Path, Path], Any]
 
 # The reason of an item whose input is not what it was when the run began.
 CHANGED: Final = "{}: changed while it was being measured: run again"
@@ -76,7 +78,7 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
     stopped_by = None
     with TemporaryDirectory(prefix="fingerpad-") as drawing:
         try:
-            record = work(folder, Path(drawing))
+            record = to_record(work(folder, Path(drawing)))
         except StoreError:
             raise
         # Files from anywhere can be damaged in unforeseen ways.

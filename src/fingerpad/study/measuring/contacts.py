@@ -9,7 +9,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
-from fingerpad._records import from_record, to_record
+from fingerpad._records import from_record
 from fingerpad.flags import FLAGS
 from fingerpad.image import ContactImageResult, read_image, write_overlay
 from fingerpad.study.corrections.apply import (
@@ -20,7 +20,7 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection
-from fingerpad.study.engine.task import Record, Work, in_study
+from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Contact, Direction, Observation
 from fingerpad.study.measuring.context import FoundScale, OneTaskItem, require_scale
 
@@ -84,23 +84,15 @@ class ObservationItem(OneTaskItem[Observation]):
 
     def work(self) -> Work:
         """Return what measures it."""
-        return partial(_observed, self.table, self.scale, contact_correction(self.correction))
+        return partial(
+            measure_observation, self.table, self.scale, correction=contact_correction(self.correction)
+        )
 
     def result(self) -> Measurement:
         """Return what was measured, as a person reviewed it."""
         # The load may have changed since; of the name one copy is enough.
         record = {**self.record, "observation": self.name, "load_N": self.table.load_N}
         return reviewed(from_record(Measurement, record), self.correction)
-
-
-def _observed(
-    observation: Observation,
-    scale: FoundScale | str | None,
-    correction: ContactCorrection,
-    folder: Path,
-    out: Path,
-) -> Record:
-    return {**to_record(measure_observation(observation, scale, folder, out, correction))}
 
 
 def measure_observation(

@@ -12,7 +12,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
-from fingerpad._records import fields_from, to_record
+from fingerpad._records import fields_from
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import reduced_modulus
 from fingerpad.estimate import Estimate
@@ -200,9 +200,7 @@ def _record(
         if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
             known["shared_scale_std"] = scale.scale.relative_std
         found = replace(found, layer=_layer(found.curve, placed, given, known))
-    values = {
-        one.name: to_record(getattr(found, one.name)) for one in fields(found) if one.name != "manifest"
-    }
+    values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
 

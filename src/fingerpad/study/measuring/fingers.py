@@ -14,7 +14,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._files import file_stem, make_folder
-from fingerpad._records import fields_from, from_record, to_record
+from fingerpad._records import fields_from, from_record
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import (
@@ -294,11 +294,10 @@ def face_record(
     found = corrected_photograph(pixels, photograph, known.scale, correction)
     make_folder((out / overlay).parent)
     write_overlay(out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None)
-    axes = found.face_semi_axes
     return {
-        "axes": to_record(axes),
+        "axes": found.face_semi_axes,
         "overlay": overlay,
-        "uncertainty": to_record(found.uncertainty_mm_std),
+        "uncertainty": found.uncertainty_mm_std,
         "arc_deg": found.arc_deg,
         "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
         "outline_radii": outline_radii(found),

@@ -17,7 +17,7 @@ import numpy as np
 
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad._files import file_stem, make_folder
-from fingerpad._records import fields_from, from_record, to_record
+from fingerpad._records import fields_from, from_record
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
     ContactImageResult,
@@ -113,7 +113,7 @@ class SequenceImages:
         options = contact_options(self.sequence, folder)
         with closing(open_frames(folder / self.sequence.file).between(*piece)) as frames:
             scan = scan_texture(frames, self.found.scale, **options)
-        return {"scan": to_record(replace(scan, reason=scan.reason and in_study(scan.reason, folder)))}
+        return {"scan": replace(scan, reason=scan.reason and in_study(scan.reason, folder))}
 
     def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
         """Learn from the frames of the largest contact how to read all of them."""
@@ -123,16 +123,16 @@ class SequenceImages:
             scan=scan,
             **contact_options(self.sequence, folder),
         )
-        return {"settings": dict(settings.settings), "learnt_from": list(settings.learnt_from)}
+        return {"settings": settings.settings, "learnt_from": settings.learnt_from}
 
     def measure(self, settings: SequenceSettings, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Measure the frames of a piece."""
-        measured: dict[int, Record] = {}
+        measured: dict[int, Measurement] = {}
         corrected: dict[int, CorrectedContactImage] = {}
         digests: dict[int, str] = {}
 
         def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
-            measured[index] = to_record(self._measured(contact_image))
+            measured[index] = self._measured(contact_image)
 
         def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
             for frame in frames:
@@ -149,8 +149,7 @@ class SequenceImages:
             reasons[index] = one.reason
             measured.pop(index, None)
             if one.contact_image is not None:
-                found = with_automatic_axes(self._measured(one.contact_image), one)
-                measured[index] = to_record(found)
+                measured[index] = with_automatic_axes(self._measured(one.contact_image), one)
         return {
             "frames": [
                 {
@@ -198,7 +197,7 @@ class SequenceImages:
             assert contact_image is not None
             make_folder((out / file).parent)
             write_overlay(out / file, frame.pixels, contact_image, label=label)
-        return {"summary": to_record(summary), "overlays": to_record(list(overlays.values()))}
+        return {"summary": summary, "overlays": list(overlays.values())}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
