@@ -185,9 +185,9 @@ class _Drawing:
     def _draw(self, mark: AnyMark) -> None:
         match mark:
             case Points():
-                if bars := self._bars(mark, "x") + self._bars(mark, "y"):
-                    self._add(f'<path d="{bars}" {_stroke(mark, mark.bar_width)}/>', clipped=True)
-                self._add(_spots(self.x(mark.x), self.y(mark.y), mark), clipped=True)
+                bars = self._bars(mark, "x") + self._bars(mark, "y")
+                lines = f'<path d="{bars}" {_stroke(mark, mark.bar_width)}/>' if bars else ""
+                self._add(lines + _spots(self.x(mark.x), self.y(mark.y), mark), clipped=True)
             case Line():
                 line = _polyline(self.x(mark.x), self.y(mark.y))
                 self._add(f'<path d="{line}" {_stroke(mark, mark.width, mark.dash)}/>', clipped=mark.clipped)
