@@ -211,11 +211,12 @@ def app(
     offers those in the current folder. Ctrl-C ends it.
     """
     from fingerpad.web.app import serve
-    from fingerpad.web.workspace import Workspace
+    from fingerpad.web.workspace import Workspace, folder_of
 
-    workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
-    if study is not None:
-        workspace.open_folder(_folder_of(study), out)
+    folder = None if study is None else folder_of(study)
+    workspace = Workspace(Path.cwd() if folder is None else folder.parent)
+    if folder is not None:
+        workspace.open_folder(folder, out)
     elif out is not None:
         raise FingerpadError("--out needs a study: name its manifest")
 
@@ -226,15 +227,3 @@ def app(
             webbrowser.open(launch.browser_address)
 
     serve(workspace, port=port, on_ready=tell)
-
-
-def _folder_of(study: Path) -> Path:
-    from fingerpad.study.manifest.load import STUDY_NAME
-
-    if study.is_dir():
-        return study.absolute()
-    if not study.is_file():
-        raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
-    if study.name != STUDY_NAME:
-        raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
-    return study.absolute().parent

@@ -11,6 +11,7 @@ from pathlib import Path
 from threading import RLock
 from typing import Final
 
+from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
@@ -24,6 +25,17 @@ UPLOAD_LIMIT: Final = 4 * 2**30
 NAME: Final = r"^\w[\w.+-]{0,59}$"
 # The version changes the address, so that browsers may keep the script.
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
+
+
+def folder_of(study: Path) -> Path:
+    """Return the folder of a study, named by its manifest or itself, that the page can change."""
+    if study.is_dir():
+        return study.absolute()
+    if not study.is_file():
+        raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
+    if study.name != STUDY_NAME:
+        raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
+    return study.absolute().parent
 
 
 class Workspace:
