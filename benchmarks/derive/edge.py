@@ -52,15 +52,15 @@ def look(name: str, image: TrueImage) -> Seen | None:
     ridges = find_ridges(view, None)
     try:
         region = find_region(view, ridges, None)
+        outline = edges._outline(view, ridges, region.patch)
+        shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
     except ImageError:
         return None
     if not view.resolved:
         return None
-    outline = edges._outline(view, ridges, region.patch)
     length = float(outline.steps.sum())
     lacks = image.gross_area / (view.step * image.mm_per_px) ** 2 - abs(signed_area(outline.points))
     displacement = (math.sqrt(max(length**2 + 4 * math.pi * lacks, 0.0)) - length) / (2 * math.pi)
-    shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
     beyond = max(shown.beyond - EDGE.hardly, 0.0)
     return Seen(name, displacement / outline.period, shown.thinning, shown.outside, beyond)
 

@@ -501,6 +501,21 @@ def from_middle(truth):
     return np.hypot(y - truth.centroid[0], x - truth.centroid[1]) * truth.mm_per_px
 
 
+def test_ridges_along_all_of_the_outline_tell_no_fading():
+    off = []
+    for place, size in enumerate(np.linspace(5, 6.4, 8)):
+        y, x = np.indices((420, 420)) * 0.0508 - 10.6
+        ring = np.hypot(x, 1.25 * y)
+        wobble = 0.03 * np.sin(7 * np.arctan2(y, x) + place)
+        ridge = (np.cos(2 * np.pi * (ring + wobble) / 0.46) > 0) & (ring < size)
+        pixels = cv2.GaussianBlur(np.where(ridge, 60.0, 220.0), (0, 0), 0.9)
+        found = measure_contact_image(pixels + np.random.default_rng(place).normal(0, 4, y.shape), PPI_500)
+        off.append((found.gross_area - math.pi * size**2 / 1.25) / found.gross_area_std)
+    # The true edge lies anywhere in the valley beyond the last ridge, or on that ridge, all round.
+    assert abs(np.mean(off)) < 1
+    assert np.median(np.abs(off)) < 1.96
+
+
 @pytest.mark.parametrize("surround", [120, 20])
 def test_window_in_dark_mount(surround):
     truth = render_contact_image(**ROUND)

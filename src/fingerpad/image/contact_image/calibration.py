@@ -34,6 +34,8 @@ class EdgeModel:
     near: Band = (0.0, 0.5)  # contrast just outside
     followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
+    crossed: float = 0.5  # an outline that follows a ridge no more than so far crosses ridges
+    enough: float = 0.7  # share of the outline that crosses ridges, to tell how the contact ends
     sectors: int = 24  # parts of the outline whose means are compared
     trimmed: float = 0.2  # share of the sectors at either end that does not count
     least: float = 0.03  # contrasts; variations and means are no less
@@ -49,6 +51,7 @@ class EdgeModel:
     shared_std: float = 0.08  # periods; at least
     beyond_std: float = 3.5  # periods a contrast; by the ridges beyond
     rim_std: float = 0.25  # periods; where a rim covers all ridges
+    untold_std: float = 0.3  # periods; where all of the outline follows ridges
     unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
     # Standard deviation by which the edge varies within one image.

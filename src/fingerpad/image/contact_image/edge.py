@@ -71,9 +71,9 @@ class Edge:
     # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
     rim: float = 0.0
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
-    bare: float = (
-        0.0  # share of the outline along which there are no ridges, or much fainter ones than inside
-    )
+    # How much too little of the outline crosses ridges, and so tells how the contact ends, 0 to 1
+    untold: float = 0.0
+    bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
     step_errors: StepErrors | None = None  # of a contact without ridges
 
     @property
@@ -152,6 +152,7 @@ class FadeSigns(NamedTuple):
     beyond: float  # the same further out, in parts of the interior's contrast
     rim: float  # as in `Edge`
     unevenness: float  # as in `Edge`
+    untold: float  # as in `Edge`
     bare: float  # as in `Edge`
     differs: FloatArray  # (n,); how much less the contrast inside is than elsewhere, of the interior's
 
@@ -173,6 +174,9 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
             "no contact found: the largest patch of ridges does not stand out from what lies around it: give "
             "dark_on_light, or a region of interest"
         )
+    crossed = edge.along < EDGE.crossed
+    # Where the outline follows a ridge, nothing varies along it that tells how the contact ends.
+    untold = 1 - min(1.0, float(crossed.mean()) / EDGE.enough)
     floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
     # Of the three bands: the variation along the outline that is not noise, in parts of the contrast. Inside
     # and just outside also: how much of the mean contrast that is.
@@ -188,10 +192,11 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     return FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
-        outside=float(seen[1] / np.maximum(seen[0], EDGE.least)),
+        outside=float(seen[1] / np.maximum(seen[0], EDGE.least)) * (1 - untold),
         beyond=float(seen[2]),
         rim=float(np.maximum(1 - shown, 0) ** 2),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
+        untold=untold,
         bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
         differs=np.asarray((rim.mean() - rim) / contrast, dtype=np.float64),
     )
@@ -213,6 +218,7 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
         beyond=signs.beyond,
         rim=signs.rim,
         unevenness=signs.unevenness,
+        untold=signs.untold,
         bare=signs.bare,
     )
 
@@ -306,6 +312,7 @@ def edge_offset_std(edge: Edge) -> float:
         EDGE.beyond_std * edge.beyond * edge.period,
         EDGE.rim_std * edge.rim * edge.period,
         EDGE.unevenness_std * edge.unevenness * edge.period,
+        EDGE.untold_std * edge.untold * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )
     return math.hypot(*terms)
