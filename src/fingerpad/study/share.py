@@ -187,7 +187,6 @@ _DAMAGED: Final = (
     zlib.error,
     lzma.LZMAError,
     struct.error,
-    NotImplementedError,
     EOFError,
     RuntimeError,
     ValueError,

@@ -20,15 +20,7 @@ UNIT_HINT: Final = "Fiji measures in px until a scale is set"
 _TRACED: Final = frozenset((ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED))
 _LARGEST: Final = 16_000_000  # bytes; 65,535 corners take one
 # What roifile raises for bytes that are no ROI.
-_BROKEN: Final = (
-    ValueError,
-    TypeError,
-    IndexError,
-    KeyError,
-    struct.error,
-    NotImplementedError,
-    RuntimeError,
-)
+_BROKEN: Final = (ValueError, TypeError, LookupError, struct.error, RuntimeError)
 _SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize appends
 # Area over that of the ellipse: they differ where holes or a threshold count.
 _SAME_AREA: Final = 0.05
