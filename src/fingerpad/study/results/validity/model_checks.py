@@ -49,13 +49,10 @@ class ValidityCheck(CheckRecord):
     p_value: Number = math.nan
     note: Text = ""
 
-    def model_post_init(self, _: object) -> None:
-        """Have all keys in the file, what is not known as null."""
-        self.__pydantic_fields_set__.update(type(self).model_fields)
-
     def with_fields(self, **changed: Any) -> Self:
-        """Return the check with some fields changed."""
-        return self.model_copy(update=changed)
+        """Return the check with some fields changed; all of them stand in the file, null where unknown."""
+        # One set of the fields that are set serves all checks: of their memory it would be the most.
+        return self.model_construct(_fields_set=_ALL_SET, **{**dict(self), **changed})
 
     def untested(self, why: str) -> Self:
         """Return the check without data."""
@@ -148,6 +145,9 @@ class ValidityCheck(CheckRecord):
         if why not in self.note:
             return self.with_fields(verdict=verdict, note="; ".join(filter(None, (self.note, why))))
         return self.with_fields(verdict=verdict)
+
+
+_ALL_SET: Final = set(ValidityCheck.model_fields)
 
 
 def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) -> tuple[ValidityCheck, ...]:
