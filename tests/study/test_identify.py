@@ -32,7 +32,7 @@ def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
             plain = tmp_path / f"IMG_{number:04}{path.suffix}"
             plain.write_bytes(path.read_bytes())
             found = identify_file(plain)
-            assert (found.use, found.is_sure) == (content, True), path.name
+            assert (found.uses[0], found.sure) == (content, True), path.name
             if content == "photograph":
                 assert found.face == path.stem.split("_")[1]
 
@@ -84,7 +84,7 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
     for name, content in [("30deg_2N", "observation"), ("palmar", "photograph")]:
         Image.fromarray(cv2.GaussianBlur(grey, (0, 0), 25)).save(tmp_path / f"{name}.png")
         found = identify_file(tmp_path / f"{name}.png")
-        assert (found.use, found.is_sure) == (content, True)
+        assert (found.uses[0], found.sure) == (content, True)
     assert found.face == "palmar"
 
 
@@ -107,7 +107,7 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
 def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
     path = tmp_path / "data.csv"
     path.write_text(text, encoding="utf-8")
-    assert identify_file(path).use == content
+    assert identify_file(path).uses[0] == content
 
 
 @pytest.mark.parametrize(
@@ -123,4 +123,4 @@ def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
 ) -> None:
     (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
     found = identify_file(tmp_path / name)
-    assert (found.use, found.is_sure) == (content, is_sure)
+    assert (found.uses[0], found.sure) == (content, is_sure)

@@ -8,18 +8,16 @@ from tests.image.ruler_scenes import KINDS, ruler_scene
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.editing.propose import (
-    Guess,
-    GuessedScale,
     NewFile,
-    guess_of,
     named_file,
     proposed_edits,
     stated_values,
     with_guess,
+    with_scales,
     written_scale,
 )
 from fingerpad.study.from_files import start_study
-from fingerpad.study.imports.identify import FileIdentity
+from fingerpad.study.imports.identify import Guess, GuessedScale
 from fingerpad.study.manifest.load import LoadedStudy, load_study
 from fingerpad.study.manifest.models import Study
 
@@ -65,8 +63,7 @@ def test_the_only_finger_is_that_of_a_file_that_names_none() -> None:
     ],
 )
 def test_guessed_scales(use, ppi, scales, expected) -> None:
-    found = FileIdentity(kind="picture", uses={use: 1.0}, faces={}, dots_per_inch=ppi)
-    guess = guess_of(found, scales)
+    guess = with_scales(Guess(kind="picture", uses=(use,), sure=True, dots_per_inch=ppi), scales)
     new = with_guess(NewFile(file="IMG_0031.png"), guess)
     assert (new.use, new.scale) == (use, expected)
     assert new.guessed == (("scale",) if expected else ())
@@ -249,7 +246,10 @@ def test_a_file_that_cannot_be_read_is_left(tmp_path) -> None:
 
 def test_guesses_say_so() -> None:
     guess = Guess(
-        uses=("observation", "photograph"), sure=False, scales={"observation": GuessedScale("500 ppi", "why")}
+        kind="picture",
+        uses=("observation", "photograph"),
+        sure=False,
+        scales={"observation": GuessedScale("500 ppi", "why")},
     )
     assert with_guess(NewFile(file="a.png"), guess).guessed == ("use", "scale")
     named = NewFile(file="a.png", scale="reader", face="palmar")

@@ -12,17 +12,16 @@ from fingerpad.study.editing.propose import (
     COIN,
     TAKES,
     USES,
-    Guess,
     NewFile,
-    guess_of,
     named_file,
     proposed_edits,
     stated_values,
     with_guess,
     with_guessed_scale,
+    with_scales,
     written_scale,
 )
-from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
+from fingerpad.study.imports.identify import Guess, identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.status import Missing, lacking, unused_files
@@ -120,10 +119,9 @@ def _stated_for_all(own: NewFile, scale: str, wedge_angle_deg: float | None) -> 
 def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Guess]:
     """Return what a file is taken as; a folder of frames is a sequence."""
     if is_frames:
-        return named_file(file, "sequence", ()), Guess(uses=("sequence",), sure=True)
-    identity = identify_file(folder / file)
-    guess = guess_of(identity, {})
-    return with_guess(named_file(file, identity.kind, ()), guess), guess
+        return named_file(file, "sequence", ()), Guess(kind="sequence", uses=("sequence",), sure=True)
+    guess = with_scales(identify_file(folder / file), {})
+    return with_guess(named_file(file, guess.kind, ()), guess), guess
 
 
 def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[dict[str, str], list[str]]:

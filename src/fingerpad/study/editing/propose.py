@@ -11,7 +11,7 @@ from fingerpad._csv import packaged_lines
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
-from fingerpad.study.imports.identify import FileIdentity
+from fingerpad.study.imports.identify import Guess, GuessedScale
 from fingerpad.study.imports.names import (
     FileKind,
     FileValues,
@@ -139,26 +139,6 @@ class NewFile:
     guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
-@dataclass(frozen=True, slots=True)
-class GuessedScale:
-    """A scale that may hold, and why."""
-
-    scale: str
-    why: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Guess:
-    """What a new file may be, from its content and its name."""
-
-    uses: tuple[Use, ...]  # most likely first
-    sure: bool  # whether no other use is at all likely
-    face: Face | None = None
-    face_sure: bool = False
-    scales: Mapping[Use, GuessedScale] = field(default_factory=dict)  # by use
-    stated: str = ""  # the scale in its file, proposed or not
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
     """Edits that add files to a study."""
@@ -183,21 +163,15 @@ def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
     )
 
 
-def guess_of(found: FileIdentity, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
-    """Return what a file may be used as, and which scale may hold for it.
+def with_scales(guess: Guess, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
+    """Return a guess with the scales that may hold.
 
     A scale is proposed where the study has only one, or the file of a contact image states a resolution: that
     of a scanner, so that it is proposed for no photograph.
     """
-    ppi = found.dots_per_inch
-    return Guess(
-        uses=tuple(found.uses),
-        sure=found.is_sure,
-        face=found.face,
-        face_sure=found.is_face_sure,
-        scales=dict(_guessed_scales(ppi, scales)),
-        stated="" if ppi is None else f"{round(ppi, 1):g} ppi",
-    )
+    ppi = guess.dots_per_inch
+    stated = "" if ppi is None else f"{round(ppi, 1):g} ppi"
+    return replace(guess, scales=dict(_guessed_scales(ppi, scales)), stated=stated)
 
 
 def _guessed_scales(

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from typing import Final, Literal, TypeAlias
@@ -208,40 +208,29 @@ SURE: Final = 0.9
 _SIDES: Final[tuple[Face, ...]] = ("radial", "ulnar")
 
 
+@dataclass(frozen=True, slots=True)
+class GuessedScale:
+    """A scale that may hold, and why."""
+
+    scale: str
+    why: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FileIdentity:
-    """What a file may be."""
+class Guess:
+    """What a new file may be, from its content and its name, and which scale may hold for it."""
 
     kind: FileKind
-    # What it may be used as, most likely first; the numbers sum to 1. They rank, and are no frequencies.
-    uses: Mapping[Use, float]
-    faces: Mapping[Face, float]  # the face that it shows if it is a photograph, most likely first
-    # the resolution that a picture states, as in `fingerpad.image.Picture`
-    dots_per_inch: float | None = None
-
-    @property
-    def use(self) -> Use:
-        """The most likely use."""
-        return next(iter(self.uses))
-
-    @property
-    def face(self) -> Face | None:
-        """The most likely face, None where nothing tells."""
-        return next(iter(self.faces), None)
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether nothing else is at all likely; otherwise it is to be asked."""
-        return self.uses[self.use] >= SURE
-
-    @property
-    def is_face_sure(self) -> bool:
-        """Whether no other face is at all likely; the two sides, which look alike, count as one."""
-        sides = sum(self.faces.get(face, 0.0) for face in _SIDES)
-        return bool(self.faces) and max(*self.faces.values(), sides) >= SURE
+    uses: tuple[Use, ...]  # most likely first
+    sure: bool  # whether no other use is at all likely; otherwise it is to be asked
+    face: Face | None = None  # that it shows if it is a photograph, None where nothing tells
+    face_sure: bool = False  # whether no other face is at all likely; the two sides count as one
+    dots_per_inch: float | None = None  # that a picture states, as in `fingerpad.image.Picture`
+    scales: Mapping[Use, GuessedScale] = field(default_factory=dict)  # by use
+    stated: str = ""  # the scale in its file, proposed or not
 
 
-def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:
+def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Guess:
     """Guess what a file is, by its content and its name.
 
     Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and
@@ -266,7 +255,7 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
 
 def _identity(
     uses: Mapping[Use, float], path: Path, kind: FileKind, faces: Mapping[Face, float] | None = None
-) -> FileIdentity:
+) -> Guess:
     """Return what content and name say together."""
     reading = read_file_name(path.name, kind)
     weights, by_face = dict(uses), dict(faces or {})
@@ -282,11 +271,13 @@ def _identity(
             weights[use] *= _NAMED
     if "face" in reading and kind in {"picture", "table"}:
         by_face = {reading["face"]: 1.0, **{face: 0.0 for face in by_face if face != reading["face"]}}
-    whole = sum(weights.values())
-    return FileIdentity(
+    sides = sum(by_face.get(face, 0.0) for face in _SIDES)  # which look alike
+    return Guess(
         kind=kind,
-        uses={use: weights[use] / whole for use in sorted(weights, key=lambda use: -weights[use])},
-        faces=by_face,
+        uses=tuple(sorted(weights, key=lambda use: -weights[use])),
+        sure=max(weights.values()) >= SURE * sum(weights.values()),
+        face=next(iter(by_face), None),
+        face_sure=bool(by_face) and max(*by_face.values(), sides) >= SURE,
     )
 
 

@@ -7,17 +7,16 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.study.editing.propose import (
-    Guess,
     NewFile,
     Proposal,
-    guess_of,
     proposed_edits,
     stated_values,
+    with_scales,
     written_scale,
 )
 from fingerpad.study.imports.identify import (
     FileColumn,
-    FileIdentity,
+    Guess,
     identify_file,
     join_files,
     parse_file_table,
@@ -35,7 +34,7 @@ router = study_router()
 NewFiles = Annotated[list[NewFile], Field(max_length=20_000)]
 # One at a time: together pictures could take more memory than the limit of each.
 _READING: Final = Lock()
-_FOUND: Final[Cache[FileIdentity]] = Cache(2000, lambda _: 1)
+_FOUND: Final[Cache[Guess]] = Cache(2000, lambda _: 1)
 
 
 @router.get("/files/identity")
@@ -44,7 +43,7 @@ def identity(opened: Opened, params: Query[FileParams]) -> Guess:
     place = ImageLocation(opened.file(params.file))
     with _READING:
         found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
-    return guess_of(found, _scales(opened.read()))
+    return with_scales(found, _scales(opened.read()))
 
 
 def _scales(loaded: LoadedStudy) -> dict[str, Any]:
