@@ -45,7 +45,7 @@ def csv_cell(value: object) -> str:
     raise TypeError(f"a CSV cell cannot hold a {type(value).__name__}")
 
 
-def packaged_lines(package: str, file: str) -> list[dict[str, str]]:
+def package_table(package: str, file: str) -> list[dict[str, str]]:
     """Return the lines of a table that belongs to the package, by its header."""
     return list(csv.DictReader(files(package).joinpath(file).read_text(encoding="utf-8").splitlines()))
 

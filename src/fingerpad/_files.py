@@ -13,7 +13,7 @@ _LONGEST_STEM: Final = 200
 
 
 @contextmanager
-def named_if_unwritten(
+def explain_write_errors(
     path: Path, way_out: str = "", error: type[FingerpadError] = FingerpadError
 ) -> Iterator[None]:
     """Say of a file that cannot be written, or of `path` where none is named, why, and the way out."""

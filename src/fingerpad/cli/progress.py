@@ -9,7 +9,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, TextIO
 
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import FingerpadError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class ProgressDisplay:
         if self._log is not None:
             time = datetime.now(UTC).isoformat(timespec="milliseconds")
             way_out = "what was measured is kept; choose another --log and run again to go on"
-            with named_if_unwritten(Path(self._log.name), way_out):
+            with explain_write_errors(Path(self._log.name), way_out):
                 print(json.dumps({"time": time, **asdict(progress)}), file=self._log, flush=True)
         seconds = monotonic() - self._start
         rate = (progress.pictures - self._before) / seconds if seconds > 0 else 0.0
@@ -96,7 +96,7 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
 
 def _opened(log: Path) -> TextIO:
     """Open a log to add to, a new one or that of an earlier run: never a file of the study."""
-    with named_if_unwritten(log, "choose another --log"):
+    with explain_write_errors(log, "choose another --log"):
         file = log.open("a+", encoding="utf-8", errors="replace")
         file.seek(0)
         beginning = file.read(len(_BEGINNING))

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 from typer import Argument, Option
 
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
@@ -89,7 +89,7 @@ def figure(
             f"{file}: not a figure of a report: name a file of results/figures that ends in .json"
         ) from error
     content = figure_file(drawn, kind, settings)
-    with named_if_unwritten(out, "choose another --out"):
+    with explain_write_errors(out, "choose another --out"):
         out.write_bytes(content)
     typer.echo(f"Wrote {out}")
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
 from matplotlib import text as mpl_text
 from matplotlib.colors import is_color_like, to_hex
 
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import FigureError
 from fingerpad.figures import style
 from fingerpad.figures.marks import AnyMark, Axis, Band, Figure, Line, Panel, Picture, Rule, Text, data_of
@@ -133,7 +133,7 @@ def save_figure(
         figure.set_layout_engine(layout)
     files = {path.with_name(f"{path.name}.svg"): (style.XML + drawing).encode()}
     files[path.with_name(f"{path.name}.{other}")] = content
-    with named_if_unwritten(path, "make room, or choose another"):
+    with explain_write_errors(path, "make room, or choose another"):
         for file, of_file in files.items():
             file.write_bytes(of_file)
     return tuple(files)

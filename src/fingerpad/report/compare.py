@@ -9,7 +9,7 @@ from typing import Final
 from markupsafe import Markup
 
 import fingerpad
-from fingerpad._files import make_folder, named_if_unwritten
+from fingerpad._files import explain_write_errors, make_folder
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.figures import new_panels
 from fingerpad.figures.compare import colours_of, plot_forest
@@ -43,7 +43,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path."""
     make_folder(out / "figures")
     path = out / "compare.html"
-    with named_if_unwritten(path, "make room, or choose another --out"):
+    with explain_write_errors(path, "make room, or choose another --out"):
         template = templates().get_template("compare.html.jinja")
         page = template.render(
             interval=_interval,

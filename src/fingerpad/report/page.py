@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from PIL import Image
 
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad._rounding import two_digits
 from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag
@@ -59,7 +59,7 @@ def write_page(
     path, found = out / name, answers_of(result)
     draw = partial(save_plots, folder=out / "figures", on_drawn=on_drawn)
     way_out = "what was measured is kept; make room, or choose another --out, and run again to go on"
-    with named_if_unwritten(path, way_out):
+    with explain_write_errors(path, way_out):
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
         template = templates().get_template("report.html.jinja")

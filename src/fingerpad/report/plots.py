@@ -25,7 +25,7 @@ from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.simulator import simulator_law
 from fingerpad.study.measuring.curves import CurveResult, loading_radius
-from fingerpad.study.measuring.fingers import placed
+from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.layer import curve_on_layer
 from fingerpad.study.results.output import Answer
@@ -314,7 +314,7 @@ def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Itera
         words = "the layer that explains the curve"
     else:
         return
-    placement = placed(finger.semi_axes, of.wedge_angle_deg)
+    placement = pad_placement(finger.semi_axes, of.wedge_angle_deg)
     highest = float(fit.load.max())
     try:
         law = simulator_law(placement, tissue, (_LOWEST * highest, highest), stds=stds)
@@ -441,7 +441,7 @@ def evenly(count: int, most: int) -> Indices:
 def placement_of(result: StudyResult, summary: Summary) -> Placement:
     """Return the pad where it touches."""
     semi_axes = result.fingers[summary.finger].semi_axes
-    return placed(semi_axes, summary.wedge_angle_deg, summary.roll_angle_deg)
+    return pad_placement(semi_axes, summary.wedge_angle_deg, summary.roll_angle_deg)
 
 
 def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from fingerpad._arrays import FloatArray
-from fingerpad._files import make_folder, named_if_unwritten
+from fingerpad._files import explain_write_errors, make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Placement
 from fingerpad.geometry.ellipsoid import tangents
@@ -84,7 +84,7 @@ def export_finger(
     if tissue_mesh:
         texts["finger.inp"] = tissue_mesh
     make_folder(folder)
-    with named_if_unwritten(folder):
+    with explain_write_errors(folder):
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
     return tuple(folder / name for name in texts)

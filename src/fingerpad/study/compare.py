@@ -8,9 +8,9 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from fingerpad._csv import packaged_lines, write_csv
+from fingerpad._csv import package_table, write_csv
 from fingerpad._display import Displayed
-from fingerpad._files import make_folder, named_if_unwritten
+from fingerpad._files import explain_write_errors, make_folder
 from fingerpad._json import dumps
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.exceptions import FingerpadError
@@ -79,7 +79,7 @@ class Quantity(NamedTuple):
 
 QUANTITIES: Final[Mapping[str, Quantity]] = {
     line["quantity"]: Quantity(line["symbol"], line["unit"], line["words"], line["positive"] == "yes")
-    for line in packaged_lines("fingerpad.study", "quantities.csv")
+    for line in package_table("fingerpad.study", "quantities.csv")
 }
 _FROM_CURVES: Final = {
     "initial_modulus_kpa": "initial_modulus_kpa",
@@ -560,7 +560,7 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
 def write_comparison(comparison: Comparison, out: Path) -> None:
     """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder."""
     make_folder(out)
-    with named_if_unwritten(out, "make room, or choose another"):
+    with explain_write_errors(out, "make room, or choose another"):
         for name, rows in (
             ("compare", comparison.values),
             ("compare_means", comparison.means),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from typing import Any, Final, get_args
 
-from fingerpad._csv import packaged_lines
+from fingerpad._csv import package_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
@@ -60,7 +60,7 @@ SCALE_WAYS: Final[Mapping[str, ScaleWay]] = {
 COINS, CARD = (
     tuple(
         KnownSize(size_mm=float(line["size_mm"]), words=f"{line['words']}, {line['size_mm']} mm")
-        for line in packaged_lines("fingerpad.study.editing", "known_sizes.csv")
+        for line in package_table("fingerpad.study.editing", "known_sizes.csv")
         if line["what"] == what
     )
     for what in ("coin", "card")

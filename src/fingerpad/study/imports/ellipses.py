@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.imports.names import Field, NamePattern, plain_name
 from fingerpad.study.manifest.messages import validated
@@ -183,5 +183,5 @@ def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
     """Write the CSV that ``observations_csv`` names; what is there already is never replaced."""
     if path.exists():
         raise FingerpadError(f"{path}: is there already, and may be filled in; name another file")
-    with named_if_unwritten(path):
+    with explain_write_errors(path):
         write_csv(path, [_HEADER, *(row.as_record().values() for row in rows)], mode="x")

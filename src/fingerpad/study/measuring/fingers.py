@@ -64,7 +64,9 @@ def radius_deviation(
     return apart * model / (model + seen), math.sqrt(max(model * seen / (model + seen) - own, 0.0))
 
 
-def placed(semi_axes: Iterable[ArrayLike], wedge_deg: ArrayLike, roll_deg: ArrayLike = 0.0) -> Placement:
+def pad_placement(
+    semi_axes: Iterable[ArrayLike], wedge_deg: ArrayLike, roll_deg: ArrayLike = 0.0
+) -> Placement:
     """Return the ellipsoid of some semi-axes on its wedge."""
     wedge, roll = np.radians(wedge_deg), np.radians(roll_deg)
     return Placement(Ellipsoid(*semi_axes), wedge_angle=wedge, roll_angle=roll)

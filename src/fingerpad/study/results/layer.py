@@ -17,7 +17,7 @@ from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest.models import Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.fingers import FingerResult, placed
+from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of
 from fingerpad.study.results.table import COLUMNS, ColumnArray
 from fingerpad.uncertainty import (
@@ -258,7 +258,7 @@ def _inputs(
 
 
 def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:
-    return plate_gap(placed(finger.semi_axes, wedge_angle_deg))
+    return plate_gap(pad_placement(finger.semi_axes, wedge_angle_deg))
 
 
 def _contact_shift(gap: Gap, secant: Secant, thickness: float, poisson_ratio: float) -> float:

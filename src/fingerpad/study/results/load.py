@@ -21,7 +21,7 @@ from fingerpad.contact import Tissue, youngs_modulus
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Placement
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.measuring.fingers import placed
+from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.results.output import answers
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
@@ -192,7 +192,7 @@ def measured_pad(
     if axes is None or math.isnan(axes.palmar_mm):
         raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
     semi_axes = axes.palmar_mm, axes.distal_mm, axes.radial_ulnar_mm
-    placement = placed(semi_axes, found.wedge_angle_deg, found.roll_angle_deg)
+    placement = pad_placement(semi_axes, found.wedge_angle_deg, found.roll_angle_deg)
     stds = dict(zip(SEMI_AXES, np.sqrt(np.diagonal(axes.covariance_mm2)).tolist(), strict=True))
     layers = [
         curve.layer

@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 import fingerpad
 from fingerpad._arrays import FloatArray
-from fingerpad._csv import packaged_lines
+from fingerpad._csv import package_table
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad._words import counted, joined
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
@@ -21,7 +21,7 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord
 
 FORMULAS: Final = {
-    line["result"]: line["formula"] for line in packaged_lines("fingerpad.study.results", "formulas.csv")
+    line["result"]: line["formula"] for line in package_table("fingerpad.study.results", "formulas.csv")
 }
 
 
@@ -45,7 +45,7 @@ _MOST_LISTED: Final = 4
 def methods_section(result: StudyResult) -> MethodsRecord:
     """Describe how the numbers of a study came about, as a paper does."""
     template = _template()
-    context = template.new_context(_said(result))
+    context = template.new_context(_template_values(result))
     texts = (" ".join("".join(block(context)).split()) for block in template.blocks.values())
     return MethodsRecord(paragraphs=list(filter(None, texts)), missing=list(_missing(result)))
 
@@ -67,7 +67,7 @@ def _template() -> Template:
     return environment.get_template("methods.txt.jinja")
 
 
-def _said(result: StudyResult) -> dict[str, Any]:
+def _template_values(result: StudyResult) -> dict[str, Any]:
     """Return what the template says of a study."""
     study, rows = result.study, result.rows
     placed = [*study.observations, *study.sequences]

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._csv import csv_cell, write_csv
-from fingerpad._files import named_if_unwritten
+from fingerpad._files import explain_write_errors
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
 from fingerpad.image import PadSemiAxes
@@ -40,7 +40,7 @@ from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -> None:
     """Write the tables of a run into `out`: of rows, loads, repeats and persons, and the summary."""
     way_out = "what was measured is kept; make room, or choose another --out, and run again to go on"
-    with named_if_unwritten(out, way_out):
+    with explain_write_errors(out, way_out):
         names = tuple(COLUMNS) if all_columns else DEFAULT_COLUMNS
         write_rows(result.rows, names, out / "results.csv", out / "results.json")
         columns = [COLUMNS[name] for name in names]

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from fingerpad._files import content_stamp, digest_of, named_if_unwritten, sha256_of
+from fingerpad._files import content_stamp, digest_of, explain_write_errors, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.journal import sync_folder, write_synced
@@ -88,7 +88,7 @@ def new_result_set(store: Store) -> Iterator[NewResultSet]:
     new = out / _NEW
     way_out = "the results before it are kept; make room, or choose another --out, and run again to go on"
     try:
-        with named_if_unwritten(out, way_out):
+        with explain_write_errors(out, way_out):
             shutil.rmtree(new, ignore_errors=True)
             new.mkdir()
             result_set = NewResultSet(new)

@@ -17,7 +17,7 @@ from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, excluding_flags, is_pooled
-from fingerpad.study.measuring.fingers import FingerResult, placed
+from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns, unit_of
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
@@ -271,7 +271,7 @@ def _modelled(
     """Return the columns that follow from the model for the rows `seen` on `pads`."""
     value, std = modelled.value, modelled.std
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
-    placement = placed(semi_axes.T, seen["wedge_angle_deg"], seen["roll_angle_deg"])
+    placement = pad_placement(semi_axes.T, seen["wedge_angle_deg"], seen["roll_angle_deg"])
     elongation = value["predicted_elongation"]
     sides = COLUMNS["predicted_long_axis"].array((None, "along", "across"))
     of_contact = modelled.parts[:, POOLED_OUTPUTS.index("radius_from_indentation"), _OF_THE_CONTACT]

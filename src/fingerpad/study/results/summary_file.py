@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from fingerpad._csv import packaged_lines
+from fingerpad._csv import package_table
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
@@ -45,7 +45,7 @@ Shares: TypeAlias = dict[str, Number]
 
 # What a key tells of the one that it begins with, where it has no description of its own.
 _COMPANIONS: Final = {
-    line["end"]: line["tells"] for line in packaged_lines("fingerpad.study.results", "companions.csv")
+    line["end"]: line["tells"] for line in package_table("fingerpad.study.results", "companions.csv")
 }
 _UNIT: Final = re.compile(r"_(?:mm_per_s|mm2?|kpa|N|deg)(?=_|$)")
 _MISSING: Final = object()

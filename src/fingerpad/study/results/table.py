@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from fingerpad._csv import packaged_lines
+from fingerpad._csv import package_table
 
 ColumnArray: TypeAlias = npt.NDArray[Any]
 DType: TypeAlias = Literal["text", "bool", "int", "float"]
@@ -70,7 +70,7 @@ COLUMNS: Final[Mapping[str, Column]] = {
         line["group"],
         line["default"] == "yes",
     )
-    for line in packaged_lines("fingerpad.study.results", "columns.csv")
+    for line in package_table("fingerpad.study.results", "columns.csv")
 }
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
@@ -218,5 +218,5 @@ class Symbol:
 
 # By the symbol as plain text: a letter, then _subscript and ^superscript.
 GLOSSARY: Final[Mapping[str, Symbol]] = {
-    line.pop("symbol"): Symbol(**line) for line in packaged_lines("fingerpad.study.results", "glossary.csv")
+    line.pop("symbol"): Symbol(**line) for line in package_table("fingerpad.study.results", "glossary.csv")
 }

@@ -20,7 +20,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius
-from fingerpad.study.measuring.fingers import FingerResult, placed
+from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
@@ -296,11 +296,11 @@ def _errors(
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
     angles = row["wedge_angle_deg"], row["roll_angle_deg"]
-    assumed = placed(case.pad.semi_axes, *angles)
+    assumed = pad_placement(case.pad.semi_axes, *angles)
     # Where the outline shows another radius than the ellipsoid's, the pad is larger as a whole.
     larger = row["geometric_mean_radius_mm"] / float(assumed.curvature.geometric_mean_radius)
     better = press(
-        plate_gap(placed(larger * case.pad.semi_axes, *angles)),
+        plate_gap(pad_placement(larger * case.pad.semi_axes, *angles)),
         reduced_modulus=1.0,
         thickness=thickness,
         poisson_ratio=case.study.poisson_ratio,
@@ -597,7 +597,7 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     if shape is None or row is None:
         return _LAYER_SHAPE.untested(case.nothing)
     form = law_form(
-        plate_gap(placed(pad.semi_axes, row["wedge_angle_deg"], row["roll_angle_deg"])),
+        plate_gap(pad_placement(pad.semi_axes, row["wedge_angle_deg"], row["roll_angle_deg"])),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
         thickness=pad.effective_thickness,
         poisson_ratio=case.study.poisson_ratio,
