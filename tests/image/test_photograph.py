@@ -217,6 +217,23 @@ def test_pad_cut_by_frame_refused():
         measure_photograph(cut, "palmar", SCALE)
 
 
+@pytest.mark.parametrize("face", ["palmar", "radial"])
+@pytest.mark.parametrize(("turns", "tip"), [(1, "left"), (3, "right")])
+def test_tip_that_the_picture_contradicts_refused(face, turns, tip):
+    turned = np.rot90(truth_of(face).pixels, turns)
+    with pytest.raises(ImageError, match=f"give tip {tip}"):
+        measure_photograph(turned, face, SCALE)
+    assert measure_photograph(turned, face, SCALE, tip=tip).semi_axes == pytest.approx(
+        SEMI_AXES[face], rel=0.03
+    )
+
+
+def test_skin_and_backdrop_move_all_of_the_edge():
+    found = found_of("distal")
+    assert np.linalg.eigvalsh(found.covariance_terms["edge"] / found.scale.mm_per_px**2)[-1] > 2 * 0.3**2
+    assert (np.array(list(found.semi_axes_mm_std.values())) > 0.3 * MM_PER_PX).all()
+
+
 def test_colour_files(tmp_path):
     pixels = truth_of("distal").pixels
     Image.fromarray(pixels).save(tmp_path / "finger.png")

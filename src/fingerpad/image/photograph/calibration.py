@@ -29,6 +29,7 @@ class ShapeDoubt:
     least_significant: float = 0.05  # of the exponent from 2, to be significant
 
     # The points.
+    edge_std: float = 0.45  # blurs of the edge; skin and backdrop shift all of it alike
     least_px: float = 0.12  # px; standard deviation of a block of points at least
     far: float = 4.0  # standard deviations; farther off, a point counts but linearly
     most_alike: float = 0.6  # correlation of neighbouring blocks that is believed at most

@@ -175,6 +175,8 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         terms["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
     else:
         terms["shape"] = average.covariance * scale**2 - terms["noise"]
+    if math.isfinite(arc.blur):
+        terms["edge"] = np.full((2, 2), (DOUBT.edge_std * arc.blur * scale) ** 2)
     if not arc.ends_known:
         lengths, turn = _contradicted(arc, ellipse, tilt_std, share)
         tilt_std = math.hypot(tilt_std, LENGTHS.added * turn)

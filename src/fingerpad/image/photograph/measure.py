@@ -114,6 +114,8 @@ def measure_photograph(
     edges = _outline(light, silhouette)
     border = (size[0] - 1.0, size[1] - 1.0, 6.0 + 3 * silhouette.reduction)
     marked = window is not None or marks is not None
+    if not marked and face != "distal":
+        silhouette.check_tip(tip)
     tried: list[PhotographFit] = []
     errors: list[ImageError | FitError] = []
     for side in sides:

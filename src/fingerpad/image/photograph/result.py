@@ -29,8 +29,8 @@ class PhotographFit(Displayed):
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
     covariance_terms : mapping from str to ndarray, shape (2, 2)
         Terms of their covariance, mm², by origin: ``noise`` of the points, a ``shape`` that is no ellipse,
-        and ``lengths`` of the outline that differ; or the ``placement`` of an ellipse by hand; and the
-        ``scale``.
+        an ``edge`` that lies further out or in all round, and ``lengths`` of the outline that differ; or the
+        ``placement`` of an ellipse by hand; and the ``scale``.
     scale : Scale
         The scale that was given.
     centre : (float, float)

@@ -15,7 +15,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
 from fingerpad.image.ellipse import evenly_spaced, outward_normals
 from fingerpad.image.levels import LUMA, linear_light, quadratic_surface, quadratic_terms
-from fingerpad.image.photograph.faces import STEPS, Direction
+from fingerpad.image.photograph.faces import STEPS, Direction, opposite
 
 _SIDE_PX = 900
 _MIN_SIDE_PX = 32
@@ -34,6 +34,8 @@ _TRIAL_STEP = 0.25
 _MIN_STEP_RATIO = 3.0
 _ALONG_PX = 1.5
 _MIN_VARIANCE = 1e-6
+# Where a finger enters the picture it is cut within this share of its extent from its middle.
+_MIDDLE = 0.2
 # How far a mark may be off the outline, in widths of the finger.
 _MARK_REACH = 0.1
 
@@ -75,6 +77,18 @@ class Silhouette(NamedTuple):
         }
         cuts = {side: np.flatnonzero(band.any(axis=0)) for side, band in bands.items()}
         return {side: cut for side, cut in cuts.items() if cut.size > 2}
+
+    def check_tip(self, tip: Direction) -> None:
+        """Refuse a finger that enters the picture from a side beside its tip, in the middle of its extent."""
+        finger = np.flatnonzero(self.mask.any(axis=1 if tip in ("up", "down") else 0))
+        cuts = self.cut_sides()
+        for side, cut in () if opposite(tip) in cuts else cuts.items():
+            off = abs(cut[0] + cut[-1] - finger[0] - finger[-1]) / 2
+            if side != tip and off < _MIDDLE * np.ptp(finger):
+                raise ImageError(
+                    f"the finger enters the picture from the {side}, and with tip {tip} it would from the "
+                    f"opposite side: give tip {opposite(side)}"
+                )
 
     def check_not_cut(self, sides: tuple[Direction, ...], tip: Direction) -> None:
         """Refuse a finger whose pad lies on the frame."""
