@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fingerpad.exceptions import UncertaintyError
 from fingerpad.study.results.validity.model_checks import (
     FAILS,
     HOLDS,
@@ -19,7 +18,6 @@ from fingerpad.study.results.validity.model_checks import (
     verdict_of,
     verdict_of_error,
 )
-from fingerpad.uncertainty.discrepancy import model_discrepancy
 
 CHECK = ValidityCheck(check="n", compared="n", headlines=("E",))
 
@@ -139,24 +137,3 @@ def test_evidence_of_one_check_is_not_lost_by_adding_others_that_agree() -> None
     assert against[0].verdict == NOT_TESTED
     assert "would hide" not in against[0].note
     assert "may be chance" in against[0].note
-
-
-def test_the_discrepancy_makes_differences_as_large_as_expected() -> None:
-    ratios, stds = np.array([0.5, 0.42, 0.1, 0.61]), np.array([0.05, 0.2, 0.1, 0.3])
-    found = model_discrepancy(ratios, stds)
-    assert np.sum(ratios**2 / (stds**2 + found.between_std**2)) == pytest.approx(4)
-    assert found.relative_std == pytest.approx(math.expm1(found.between_std / math.sqrt(2)))
-    assert found.count == 4
-
-
-def test_there_is_no_discrepancy_where_uncertainties_explain_the_differences() -> None:
-    assert model_discrepancy([0.1, -0.1], [0.2, 0.2]).relative_std == 0.0
-    assert model_discrepancy([0.0], [0.0]).relative_std == 0.0
-
-
-@pytest.mark.parametrize(
-    ("ratios", "stds"), [([], []), ([0.1], [0.1, 0.1]), ([math.nan], [0.1]), ([0.1], [-0.1])]
-)
-def test_pairs_that_say_nothing_are_refused(ratios: list[float], stds: list[float]) -> None:
-    with pytest.raises(UncertaintyError):
-        model_discrepancy(ratios, stds)

@@ -19,7 +19,7 @@ from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import records
-from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads
+from fingerpad.uncertainty.repeats import ContactRepeatability
 
 AXES = np.array([7.9, 13.8, 11.8])
 STUDY = study_of(finger(), uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0})
@@ -56,22 +56,6 @@ def contact(
 def repeats(count: int = 4, **more: Any) -> list[tuple[Observation, Measurement]]:
     rng = np.random.default_rng(5)
     return [contact(k, 6 * np.exp(rng.normal(0, 0.02)), 0.3, **more) for k in range(count)]
-
-
-@pytest.mark.parametrize(
-    ("loads", "expected"),
-    [
-        ([2.0, 0.5, 1.0], [2, 0, 1]),
-        ([0.95, 1.0, 1.05], [0, 0, 0]),
-        ([1.0, 1.06], [0, 0]),
-        ([1.0, 1.12], [0, 1]),
-        ([1.0, 1.04, 1.08, 1.12, 1.16], [0, 1, 2, 3, 4]),  # a ramp
-        ([1.0, 1.04, 1.08, 1.12, 1.04, 5.0, 5.1], [0, 1, 2, 3, 1, 4, 4]),
-        ([], []),
-    ],
-)
-def test_nominal_loads(loads: list[float], expected: list[int]) -> None:
-    assert nominal_loads(loads).tolist() == expected
 
 
 @pytest.mark.parametrize(
@@ -135,18 +119,6 @@ def test_frames_of_a_sequence_are_no_repeats() -> None:
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
     rows = model_contacts(STUDY, PADS, frames, BOTH)
     assert pool_by_load(rows, BOTH) == []
-
-
-def test_noise_is_not_counted_twice() -> None:
-    """What repeats scatter by beyond their noise is theirs; noise alone makes no repeatability."""
-    rng, group = np.random.default_rng(3), np.repeat(np.arange(300), 4)
-    noise = np.diag([0.02**2, 0.04**2])
-    axes = rng.normal(0, (0.02, 0.04), (1200, 2))
-    more = axes + rng.normal(0, (0.03, 0.01), (1200, 2))
-    alone, both = (ContactRepeatability.of(of, [noise] * 1200, group) for of in (axes, more))
-    assert both.area_std == pytest.approx(0.06, rel=0.1)
-    assert alone.area_std < 0.02
-    assert (both.freedom, both.groups, both.count) == (900, 300, 1200)
 
 
 def test_repeatability_reaches_modulus_indentation_and_radius() -> None:

@@ -1,4 +1,4 @@
-"""The place of contact in a sequence."""
+"""The place of first contact of a press, from force and displacement."""
 
 import numpy as np
 import pytest
