@@ -61,7 +61,7 @@ _CONTACT: Final = (
     ),
     Flag(
         "scale_doubtful",
-        "the ridge period is not that of a finger",
+        "the ridge period is not that of a finger, or the picture is too coarse to show it",
         "check the resolution of the picture",
         "pooling",
     ),
@@ -73,8 +73,8 @@ _CONTACT: Final = (
     ),
     Flag(
         "ridges_merge",
-        "sweat or ink may have joined the ridges: their area is an upper bound",
-        "use less ink, or press on a clean, dry glass; the other areas and axes hold",
+        "sweat, ink or a second touch may have joined the ridges: their area is an upper bound",
+        "use less ink, or press once on a clean, dry glass; after one touch the other areas and axes hold",
         "pooled ridge area",
     ),
     Flag(

@@ -249,7 +249,7 @@ def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None
     assert "stated.png: the file states 500 ppi, the scale is 50 ppi: check which is right\n" in err
     assert re.search(r"^scale_from +option$", out, re.M)
     assert "\nscale taken as exact\n" in out
-    assert "\nscale_doubtful: the ridge period is not that of a finger. To do: check the resolution" in out
+    assert "\nscale_doubtful: the ridge period is not that of a finger, or" in out
     assert "Overlays" not in out
 
 

@@ -196,6 +196,14 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     assert np.isnan(at.contact_area_mm2_repeatability_std)
 
 
+def test_a_mean_of_contacts_that_tell_nothing_has_an_interval_of_all_there_is() -> None:
+    nothing = [contact(k, gross_area_mm2_std=1e5) for k in range(3)]
+    (at,) = pool_by_load(model_contacts(STUDY, PADS, nothing, BOTH), BOTH)
+    assert np.isfinite(at.contact_area_mm2)
+    assert at.contact_area_mm2_ci95_low < 1e-9
+    assert at.contact_area_mm2_ci95_high > 1e9
+
+
 def manifest(folder: Path, count: int) -> Path:
     rng = np.random.default_rng(2)
     lines = ["name,finger,wedge_angle_deg,load_N,session,semi_major_mm,semi_minor_mm,ellipse_mm_std"]

@@ -226,6 +226,10 @@ _ENDS: Final = (
 )
 
 
+# Logarithm of a factor by which nothing is known any more; larger ones overflow.
+_MOST_UNCERTAIN: Final = 100.0
+
+
 def _mean(
     values: FloatArray,
     parts: Mapping[str, FloatArray],
@@ -268,6 +272,7 @@ def _mean(
         NORMAL_97_5 * shared,
         NORMAL_97_5 * math.log1p(np.nan_to_num(model)),
     )
+    half = min(half, _MOST_UNCERTAIN)
     std = math.hypot(own, between, shared, np.nan_to_num(model))
     repeats = math.nan if math.isinf(freedom) else repeat
     factors = (1.0, std, math.exp(-half), math.exp(half), noise, repeats, session, edge, other, model)
