@@ -69,7 +69,7 @@ def write_page(
             home=home,
             pages=pages,
             failed=result.failed_contacts,
-            notes=result.notes,
+            notes=[*result.notes, *text.sequence_notes(result)],
             odd=[*text.implausible_values(result), *text.moduli_apart(found)],
             better=list(text.to_measure_better(result)),
             most_failed=_MOST_FAILED,

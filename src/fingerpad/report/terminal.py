@@ -32,9 +32,7 @@ def outcome_notes(result: StudyResult) -> Iterator[str]:
     yield from result.notes
     yield from text.implausible_values(result)
     yield from text.moduli_apart(answers_of(result))
-    for sequence in result.sequences:
-        if sequence.summary is not None:
-            yield from (f"{sequence.manifest.name}: {note}" for note in sequence.summary.notes)
+    yield from text.sequence_notes(result)
 
 
 def comparison_lines(found: Comparison) -> Iterator[str]:

@@ -230,6 +230,12 @@ def note_counts(summary: Summary) -> Counter[str]:
     return counts
 
 
+def sequence_notes(result: StudyResult) -> Iterator[str]:
+    """Yield what was odd about sequences and what was done about it, as a force that was subtracted."""
+    for one in result.sequences:
+        yield from (f"{one.manifest.name}: {note}" for note in (one.summary.notes if one.summary else ()))
+
+
 def implausible_values(result: StudyResult) -> Iterator[str]:
     """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
     for summary, validity in zip(result.summaries, result.validities, strict=True):

@@ -34,6 +34,7 @@ _DRAWN_PX: Final = 3.0
 _WELL_INSIDE: Final = 0.9
 _NESTED_SCORE: Final = 0.6
 _NESTED_HEIGHT: Final = 0.1
+_LARGE_BUBBLE: Final = 0.4  # one the other way is a contact rather than a bubble if so large beside the other
 _LEAST_AROUND_PX: Final = 20
 _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
@@ -160,13 +161,13 @@ def _ground(step: Step) -> float:
 def _nested(
     step: Step, values: npt.NDArray[np.float32], light: npt.NDArray[np.float32] | None, inside: BoolArray
 ) -> bool:
-    """Return whether another step the same way lies inside: that of the contact in the body that casts it."""
+    """Return whether another step lies inside: that of the contact in the body around it, or a bubble's."""
     if step.radius < _LEAST_AROUND_PX:
         return False
     centre = step.points.mean(axis=0)
     within = filled_polygon(centre + _WELL_INSIDE * (step.points - centre), inside.shape) > 0
     return any(
-        one.sign == step.sign
+        (one.sign == step.sign or one.radius > _LARGE_BUBBLE * step.radius)
         and min(one.score, one.seen) > _NESTED_SCORE
         and one.height > _NESTED_HEIGHT * step.height
         for one in find_steps(values, light, inside & within)
