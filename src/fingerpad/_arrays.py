@@ -202,3 +202,8 @@ def apply_blockwise(
             for result, part in zip(results, kernel(*(array[block] for array in flat)), strict=True):
                 result[block] = part
     return tuple(result.reshape(shape)[()] for result in results)
+
+
+def robust_std(off: npt.NDArray[np.floating]) -> float:
+    """Return the standard deviation of normal values about zero, by the median of their sizes."""
+    return 1.4826 * float(np.median(np.abs(off)))

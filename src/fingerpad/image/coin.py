@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array, robust_std
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image._masks import sample
@@ -419,7 +419,7 @@ def fit_edge(image: Float32Array, ellipse: PlaneEllipse, reach: float, closest: 
             if fitted is None:
                 return None
             off = np.abs(fitted.offsets(points))
-            spread = 1.4826 * float(np.median(off[kept]))
+            spread = robust_std(off[kept])
             kept = np.asarray(found & (off < np.clip(3 * spread, 0.3, 0.5 + 0.006 * fitted.size)))
         fitted = _ellipse_through(points[kept])
         if fitted is None:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, robust_std
 from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour, sample
 from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
@@ -71,7 +71,7 @@ class Step:
     def scatter(self) -> float:
         """Robust standard deviation of the edge in profiles about the outline."""
         off = self.off[np.isfinite(self.off)]
-        return 1.4826 * float(np.median(np.abs(off - np.median(off)))) if len(off) else math.inf
+        return robust_std(off - np.median(off)) if len(off) else math.inf
 
     @property
     def score(self) -> float:
@@ -155,7 +155,7 @@ def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
         found = as_float_array(np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0])
         ground = base @ found
         rest = level - ground
-        spread = 1.4826 * np.median(np.abs(rest[weight > 0.1])) + 1e-6
+        spread = robust_std(rest[weight > 0.1]) + 1e-6
         weight = np.where(rim, 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
     return as_float32(quadratic_surface(found, values.shape))
 
@@ -243,7 +243,7 @@ def _low_order(off: FloatArray, order: int) -> FloatArray | None:
     found[0] = np.median(off[good])
     for _ in range(15):
         rest = values - base @ found
-        spread = 1.4826 * np.median(np.abs(rest[good])) + 0.05
+        spread = robust_std(rest[good]) + 0.05
         weight = good * np.maximum(0.0, 1 - (rest / (4 * spread)) ** 2) ** 2
         normal = base.T @ (base * weight[:, None]) + stiff + 1e-6 * np.eye(len(found))
         found = np.linalg.solve(normal, base.T @ (weight * values))

@@ -19,7 +19,7 @@ from scipy import special
 from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, robust_std
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.ellipse_fit import (
@@ -398,7 +398,7 @@ def fit_arc(points: FloatArray, order: IndexArray, tilt: tuple[float, float], st
 def _inliers(off: FloatArray) -> BoolArray:
     """Return which points belong: not many robust deviations off, nor next to one that is."""
     centre = np.median(off)
-    spread = 1.4826 * float(np.median(np.abs(off - centre))) + 0.02
+    spread = robust_std(off - centre) + 0.02
     far = np.abs(off) > _REJECTION * spread
     wide = np.convolve(far, np.ones(7), mode="same") > 0
     return np.asarray(~wide if (~wide).sum() >= _MIN_POINTS else ~far, dtype=bool)
@@ -426,7 +426,7 @@ def _longest_window(
     blocks = list(pairwise(edges))
     r = np.array([np.median(off[i:j]) for i, j in blocks])
     rows = np.array([slopes[i:j].mean(axis=0) for i, j in blocks])
-    deviation = 1.4826 * float(np.median(np.abs(r[2:] - 2 * r[1:-1] + r[:-2]))) / math.sqrt(6) + 0.03
+    deviation = robust_std(r[2:] - 2 * r[1:-1] + r[:-2]) / math.sqrt(6) + 0.03
     deviation *= slack
     # Hairs and dust: blocks that stand out by far are neither fitted nor counted.
     level = float(np.median(np.abs(r)))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import expit
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, robust_std
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import correlation_length
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
@@ -358,7 +358,7 @@ class _Curve(NamedTuple):
         Neighbours that err alike count as fewer.
         """
         off = self.weights * self._distances(values)
-        most = DOUBT.far * 1.4826 * float(np.median(np.abs(off)))
+        most = DOUBT.far * robust_std(off)
         off = np.clip(off, -most, most)
         alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), DOUBT.most_alike)
         return math.sqrt(float(off @ off) / max(len(off) - 8, 3) * (1 + alike) / (1 - alike))

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array, robust_std
 
 # A jump exceeds what the changes around it lead to expect, relative to the area, by no less than this, by so
 # many times the scatter of such excesses, and by so many times what is expected.
@@ -15,7 +15,6 @@ _TIMES_EXPECTED: Final = 1.5
 _LASTING: Final = 0.7
 _MIN_TESTED: Final = 4
 _HERTZ: Final = 2 / 3
-_MAD: Final = 1.4826  # to the standard deviation of normal scatter
 
 
 def find_jump(time: FloatArray, load: FloatArray, area: FloatArray, loading: BoolArray) -> int | None:
@@ -44,7 +43,7 @@ def find_jump(time: FloatArray, load: FloatArray, area: FloatArray, loading: Boo
     both = loading[tested] & loading[tested + 1]
     if np.count_nonzero(both) < _MIN_TESTED:
         return None
-    scatter = _MAD * float(np.median(np.abs(excess - np.median(excess))))
+    scatter = robust_std(excess - np.median(excess))
     least = np.maximum(max(_LEAST, _DEVIATIONS * scatter), _TIMES_EXPECTED * expected)
     jumps = both & (excess > least) & (after.min(axis=0) - before.max(axis=0) > _LASTING * excess)
     return int(tested[np.argmax(np.where(jumps, excess, -np.inf))]) if jumps.any() else None
