@@ -190,7 +190,7 @@ def prepare_contact_image(
         # Dark corners, or what lies around a window, may have been taken for the ground.
         options["dark_on_light"] = not view.dark_on_light
         other = _prepared(view_of(pixels, scale, **options), None, seed)
-        return other if other.is_clear else prepared
+        return other if other.is_clear and not other.measure().flags else prepared
     return prepared
 
 
