@@ -10,7 +10,7 @@ from typing import Any, Final
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
 from fingerpad.study.engine.runner import Progress
-from fingerpad.study.pipeline import Draw, run_study
+from fingerpad.study.pipeline import Draw
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events, RunStatus
@@ -45,19 +45,15 @@ class RunJob:
         active = now.state in _ACTIVE
         return RunStatus.of(now, seconds=time.monotonic() - self._started if active else now.seconds)
 
-    def start(
-        self, manifest: Path, out: Path, *, workers: int, force: bool, when_done: Callable[[], None]
-    ) -> RunStatus:
-        """Start a run."""
+    def start(self, run: Callable[..., StudyResult], when_done: Callable[[], None]) -> RunStatus:
+        """Start a run: `run_study` with the study and the options."""
         with self._lock:
             if self._now.state in _ACTIVE:
                 raise RequestError.conflict("a run is in progress: wait for it to end, or cancel it")
             self._now = RunStatus(state="running", phase="measuring", version=self._now.version + 1)
             self._started, self._sent_at = time.monotonic(), 0.0
             self._stop.clear()
-            self._thread = Thread(
-                target=self._work, args=(manifest, out, workers, force, when_done), name="run", daemon=True
-            )
+            self._thread = Thread(target=self._work, args=(run, when_done), name="run", daemon=True)
             self._thread.start()
         self._events.send(self.describe())
         return self.describe()
@@ -75,19 +71,10 @@ class RunJob:
         if self._thread is not None:
             self._thread.join(timeout_s)
 
-    def _work(
-        self, manifest: Path, out: Path, workers: int, force: bool, when_done: Callable[[], None]
-    ) -> None:
+    def _work(self, run: Callable[..., StudyResult], when_done: Callable[[], None]) -> None:
         end: dict[str, Any] = {"state": "failed"}
         try:
-            result = run_study(
-                manifest,
-                out,
-                workers=workers,
-                force=force,
-                write_report=_write_report,
-                on_progress=self._progress,
-            )
+            result = run(write_report=_write_report, on_progress=self._progress)
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}

@@ -64,7 +64,7 @@ class Workspace:
         """Return a study by its name, opened if it is not."""
         with self._lock:
             found = next((one for one in self._open.values() if one.name == name), None)
-            return found or self._session(self._folder_of(name))
+            return found or self._session(self.folder_of(name))
 
     def studies(self) -> list[str]:
         """Return the names of the workspace's studies."""
@@ -75,11 +75,8 @@ class Workspace:
             return []
         return sorted(f.name for f in folders if (f / STUDY_NAME).is_file())
 
-    def open(self, name: str) -> StudySession:
-        """Open one of the workspace's studies, with its results beside its manifest."""
-        return self.open_folder(self._folder_of(name))
-
-    def _folder_of(self, name: str) -> Path:
+    def folder_of(self, name: str) -> Path:
+        """Return the folder of one of the workspace's studies."""
         if name not in self.studies():
             raise RequestError.not_there(f"the workspace holds no study {name!r}")
         return self.workspace / name

@@ -26,6 +26,15 @@ from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 BODY_LIMIT: Final = 8_000_000
+# Media types of the files of results; `mimetypes` would ask the system.
+MEDIA_TYPES: Final = {
+    ".html": "text/html; charset=utf-8",
+    ".csv": "text/csv; charset=utf-8",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".pdf": "application/pdf",
+}
 # Headers of what has another address once it changes.
 IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 

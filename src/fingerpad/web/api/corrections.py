@@ -138,39 +138,32 @@ def add(opened: Opened, params: Body[ChangeParams]) -> Corrections:
     """Save a correction; it is on the disk before the response."""
     study = opened.with_incomplete()
     kind_of(params.item, study)
-    return _saved(
-        opened,
-        params,
-        lambda: _log(opened, params).append(
-            params.item,
-            params.change,
-            who=params.who,
-            expected=params.expected,
-            study=study,
-            shape=opened.shape_of(params.item) if params.change else None,
-            picture=opened.picture_digest(params.item),
-        ),
+    save = partial(
+        _log(opened, params).append,
+        change=params.change,
+        study=study,
+        shape=opened.shape_of(params.item) if params.change else None,
+        picture=opened.picture_digest(params.item),
     )
+    return _saved(opened, params, save)
 
 
 @router.post("/corrections/undo", status_code=HTTPStatus.CREATED)
 def undo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Undo the last correction."""
-    step = partial(_log(opened, params).undo, params.item, who=params.who, expected=params.expected)
-    return _saved(opened, params, step)
+    return _saved(opened, params, _log(opened, params).undo)
 
 
 @router.post("/corrections/redo", status_code=HTTPStatus.CREATED)
 def redo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Redo the correction that was undone last."""
-    step = partial(_log(opened, params).redo, params.item, who=params.who, expected=params.expected)
-    return _saved(opened, params, step)
+    return _saved(opened, params, _log(opened, params).redo)
 
 
-def _saved(opened: StudySession, params: StepParams, save: Callable[[], object]) -> Corrections:
+def _saved(opened: StudySession, params: StepParams, save: Callable[..., object]) -> Corrections:
     """Save a step, tell every window of it, and return the corrections of the item."""
     try:
-        save()
+        save(params.item, who=params.who, expected=params.expected)
     except CorrectionConflict as conflict:
         now = _corrections(opened, params)
         raise RequestError.conflict(str(conflict), latest=conflict.latest, corrections=now) from conflict

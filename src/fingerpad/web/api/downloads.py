@@ -4,7 +4,7 @@ import os
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Annotated, Final
+from typing import Annotated
 
 from fastapi import Path as PathParameter
 from fastapi import Response
@@ -14,21 +14,13 @@ from starlette.responses import FileResponse
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.share import Bundle, LeftOut, pack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, saved_as, study_router
+from fingerpad.web.api.base import MEDIA_TYPES, Opened, saved_as, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
 
 router = study_router()
-
-_TYPES: Final = {
-    ".html": "text/html",
-    ".csv": "text/csv",
-    ".json": "application/json",
-    ".svg": "image/svg+xml",
-    ".png": "image/png",
-}
 
 FilePath = Annotated[str, PathParameter(max_length=300)]
 
@@ -53,7 +45,8 @@ def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Res
     headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
     if attachment:
         headers |= saved_as(file.name)
-    return FileResponse(file, media_type=_TYPES.get(file.suffix, "application/octet-stream"), headers=headers)
+    kind = MEDIA_TYPES.get(file.suffix, "application/octet-stream")
+    return FileResponse(file, media_type=kind, headers=headers)
 
 
 @router.get("/bundle")

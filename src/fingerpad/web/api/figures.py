@@ -13,7 +13,7 @@ from fingerpad.figures.marks import Figure
 from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, Query, saved_as, study_router
+from fingerpad.web.api.base import MEDIA_TYPES, Opened, Params, Query, saved_as, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
@@ -22,14 +22,6 @@ from fingerpad.web.study_session import StudySession
 router = study_router()
 
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
-_MEDIA: Final = {
-    "svg": "image/svg+xml",
-    "pdf": "application/pdf",
-    "png": "image/png",
-    "csv": "text/csv; charset=utf-8",
-}
-
-
 # Settings of a figure that a request states as they are.
 _AS_THEY_ARE: Final = ("width_mm", "height_mm", "font_pt", "x_scale", "y_scale", "dpi")
 
@@ -146,7 +138,7 @@ def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response
     headers = {"cache-control": "private, no-cache"}
     if params.attachment:
         headers |= saved_as(f"{file_stem(params.name)}.{params.kind}")
-    return Response(content, media_type=_MEDIA[params.kind], headers=headers)
+    return Response(content, media_type=MEDIA_TYPES[f".{params.kind}"], headers=headers)
 
 
 def _read(opened: StudySession, name: str) -> Figure:

@@ -43,13 +43,7 @@ from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Face, Quantity, SemiAxes, Status
 from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.events import RunStatus
-from fingerpad.web.last_results import (
-    FRAME_COLUMNS,
-    frame_rows,
-    known_finger,
-    last_results,
-    results_faults,
-)
+from fingerpad.web.last_results import frame_rows, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
 
@@ -116,55 +110,49 @@ class FingerEntry(Answer):
     photographs: list[PhotographEntry]
 
 
-class ObservationEntry(Review):
+class PlacedEntry(Answer):
+    """What was recorded of a finger on a wedge."""
+
+    finger: Text
+    wedge_angle_deg: Number
+    file: Text
+    synthetic: bool
+    status: Status
+    complete: bool
+
+
+class ContactEntry(PlacedEntry):
+    """Contact images of a finger on a wedge."""
+
+    roll_angle_deg: Number
+    scale: StatedScale
+    scale_words: str
+    surface: Surface
+
+
+class ObservationEntry(ContactEntry, Review):
     """An observation: one contact at one load."""
 
     item: str
-    finger: Text
-    wedge_angle_deg: Number
-    roll_angle_deg: Number
     load_N: Number  # noqa: N815
-    scale: StatedScale
-    scale_words: str
-    file: Text
-    surface: Surface
-    synthetic: bool
-    status: Status
     flags: list[str]
     reason: str | None
-    complete: bool
 
 
-class SequenceEntry(Answer):
+class SequenceEntry(ContactEntry):
     """A sequence of contact images."""
 
     name: str
-    finger: Text
-    wedge_angle_deg: Number
-    roll_angle_deg: Number
     force: Text
-    scale: StatedScale
-    scale_words: str
-    file: Text
     frames_per_second: Number
-    surface: Surface
-    synthetic: bool
-    status: Status
     frames: int | None
-    complete: bool
 
 
-class CurveEntry(Answer):
+class CurveEntry(PlacedEntry):
     """A loading curve, or a radius from loading data."""
 
     key: str
-    finger: Text
-    wedge_angle_deg: Number
-    file: Text
     loading_radius_mm: Quantity
-    synthetic: bool
-    complete: bool
-    status: Status
     reason: str | None
 
 
@@ -491,8 +479,8 @@ def frames(opened: Opened, params: Query[FramesParams]) -> Frames:
     def entry(number: int) -> FrameEntry:
         row, correction = rows.get(number, {}), active.get(number)
         return FrameEntry.of(
+            row,
             **review_record(correction),
-            **{key: row.get(key) for key in FRAME_COLUMNS},
             item=f"{name}#{number}",
             frame=number,
             status=row.get("status", "none"),

@@ -3,6 +3,7 @@
 import getpass
 import os
 from collections.abc import AsyncIterator, Mapping
+from functools import partial
 from http import HTTPStatus
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from fingerpad.study.editing.propose import CARD, COINS, SCALE_WAYS, TAKES, USES
 from fingerpad.study.editing.template import write_example
 from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Use
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
@@ -132,7 +134,7 @@ def example(workspace: Here) -> State:
 @here.post("/session/open")
 def open_study(workspace: Here, params: Body[OpenParams]) -> State:
     """Open a study of the workspace."""
-    return state_of(workspace.open(params.name))
+    return state_of(workspace.open_folder(workspace.folder_of(params.name)))
 
 
 class EditsParams(Params):
@@ -168,13 +170,10 @@ async def listen(opened: Opened) -> AsyncIterator[ServerSentEvent]:
 def run(opened: Opened, params: Body[RunParams]) -> RunStatus:
     """Start a run of the study."""
     opened.require_complete()
-    return opened.run_job.start(
-        opened.folder / STUDY_NAME,
-        opened.out,
-        workers=min(params.workers, os.cpu_count() or 1),
-        force=params.force,
-        when_done=opened.tell_changed,
-    )
+    workers = min(params.workers, os.cpu_count() or 1)
+    study = opened.folder / STUDY_NAME
+    measure = partial(run_study, study, opened.out, workers=workers, force=params.force)
+    return opened.run_job.start(measure, when_done=opened.tell_changed)
 
 
 @router.get("/run")
