@@ -148,7 +148,6 @@ def answer_errors(app: FastAPI) -> None:
     """Make errors of requests and of the library answers with the same words."""
     for kind in (FingerpadError, OSError, ArithmeticError, MemoryError, ValueError, cv2.error):
         app.add_exception_handler(kind, _failed)
-    app.add_exception_handler(ValidationError, _fault)
     app.add_exception_handler(HTTPException, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
 
@@ -160,24 +159,22 @@ def _words(status: int, words: str, headers: Any = None, **more: Any) -> Respons
 
 
 async def _failed(_: Request, error: Exception) -> Response:
-    """Answer that the library cannot do this, or that odd pictures and numbers are too much for it."""
+    """Answer that the library cannot do this, or that odd pictures and numbers are too much for it.
+
+    An answer that does not fit its model is a fault of the program, and raised.
+    """
+    if isinstance(error, ValidationError) or (isinstance(error, OSError) and not error.strerror):
+        raise error
     impossible = HTTPStatus.UNPROCESSABLE_ENTITY
     if isinstance(error, ManifestError):
         return _words(impossible, str(error), faults=manifest_errors(error))
     if isinstance(error, FingerpadError):
         return _words(impossible, str(error))
     if isinstance(error, OSError):
-        if not error.strerror:
-            raise error
         name = error.filename
         file = f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
         return _words(impossible, f"{file}{error.strerror}")
     return _words(impossible, f"this cannot be done ({type(error).__name__}: {error})")
-
-
-async def _fault(_: Request, error: Exception) -> Response:
-    """Raise the error of an answer that does not fit its model: a fault of the program."""
-    raise error
 
 
 async def _refused(request: Request, error: Exception) -> Response:
