@@ -6,8 +6,8 @@ a picture are pairs (row, column) in pixels.
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from typing import Any, Final, Literal, Self, TypeAlias
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 from pydantic import BaseModel, ConfigDict
 
@@ -110,6 +110,13 @@ class Quantity(Answer):
         return cls(value=value, std=std, words=words)
 
 
+def quantities(
+    known: Callable[[str], Any], keys: Iterable[Any], unit: str | None = None
+) -> dict[Any, Quantity]:
+    """Return what is known under some keys."""
+    return {key: Quantity.read(known, key, unit) for key in keys}
+
+
 def _finite(value: Any) -> float | None:
     """Return a number, None where there is none."""
     return float(value) if isinstance(value, float | int) and math.isfinite(value) else None
@@ -141,17 +148,10 @@ class PoolingCorrectionRecord(Answer):
     when: str
 
 
-class SemiAxes(Answer):
-    """Semi-axes of a pad."""
-
-    palmar: Quantity
-    distal: Quantity
-    radial_ulnar: Quantity
-
-    @classmethod
-    def of_three(cls, lengths: FloatArray, stds: FloatArray | None = None, unit: str = "mm") -> Self:
-        """Return semi-axes and their standard uncertainties (mm), both in the order of an array."""
-        values = dict(zip(cls.model_fields, lengths.tolist(), strict=True))
-        if stds is not None:
-            values |= zip((f"{axis}_std" for axis in cls.model_fields), stds.tolist(), strict=True)
-        return cls(**{axis: Quantity.read(values.get, axis, unit) for axis in cls.model_fields})
+def semi_axes(lengths: FloatArray, stds: FloatArray | None = None, unit: str = "mm") -> dict[Axis, Quantity]:
+    """Return semi-axes and their standard uncertainties (mm), both in the order of an array."""
+    axes = get_args(Axis)
+    values = dict(zip(axes, lengths.tolist(), strict=True))
+    if stds is not None:
+        values |= zip((f"{axis}_std" for axis in axes), stds.tolist(), strict=True)
+    return quantities(values.get, axes, unit)

@@ -22,16 +22,11 @@ from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
 
-_FRAME_COLUMNS: Final = (
-    *("frame", "status", "flags", "phase", "phase_corrected_by", "time_s", "load_N"),
-    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
-)
 
-
-def frame_rows(table: pd.DataFrame, sequence: str) -> dict[int, Row]:
-    """Return what the page lists of a sequence's frames, by their numbers."""
+def frame_rows(table: pd.DataFrame, sequence: str, *columns: str) -> dict[int, Row]:
+    """Return some columns of a sequence's frames, by their numbers."""
     frames = table[(table["sequence"] == sequence) & table["frame"].notna()]
-    return {row["frame"]: row for row in records(frames, *_FRAME_COLUMNS)}
+    return {row["frame"]: row for row in records(frames, "frame", *columns)}
 
 
 # Results of studies that are open in several windows, or what is wrong with them.
@@ -76,7 +71,7 @@ def require_file(opened: StudySession, name: str) -> None:
 def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
     finger = opened.finger(name)
-    if finger is None or (not finger.photographs and finger.semi_axes_mm is None):
+    if finger is None or not (finger.photographs or finger.semi_axes_mm):
         return None
     if finger.semi_axes_mm is not None:
         return finger_result(finger, {}, opened.folder, {})  # nothing to measure

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from fingerpad.study.corrections.apply import (
     measured_under,
     prepared_contact,
 )
-from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
+from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
@@ -41,7 +41,7 @@ from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
-from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity
+from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity, quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
@@ -60,56 +60,24 @@ _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
 _SAMPLED_FRAMES: Final = 200
 
 
-class ContactNumbers(Answer):
-    """The numbers measured in a contact image."""
-
-    semi_major_mm: Quantity
-    semi_minor_mm: Quantity
-    orientation_deg: Quantity
-    gross_area_mm2: Quantity
-    ridge_area_mm2: Quantity
-    ridge_period_mm: Quantity
-    ellipse_iou: Quantity
-
-
-class AutomaticContact(ContactNumbers):
-    """The automatic measurement, to compare with a corrected one."""
-
-    outline_px: list[Point]
-
-
-class ContactHandles(Answer):
-    """Where the handles of a contact ellipse are."""
-
-    centre_px: Point
-    major_ends_px: tuple[Point, Point]
-    minor_ends_px: tuple[Point, Point]
-
-
-class ContactSettings(Answer):
-    """Settings of the measurement, chosen automatically unless they were corrected."""
-
-    dark_on_light: bool
-    threshold: float | None
+_MEASURED: Final = (
+    *("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2", "ridge_period_mm"),
+    "ellipse_iou",
+)
+_MODELLED: Final = (
+    *("load_N", "u_deg", "mean_curvature_radius_mm", "radius_from_indentation_mm"),
+    *("radius_from_compliance_mm", "indentation_mm", "youngs_modulus_kpa", "effective_thickness_mm"),
+    *("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm"),
+)
 
 
 class ContactModel(Answer):
-    """What the contact model gives for a contact: keys as in ``results.csv``.
+    """What the contact model gives for a contact, by the names of ``results.csv``.
 
-    Of the last run are `verdicts`, by key, and what the model leaves uncertain.
+    Of the last run are the `verdicts` and what the model leaves uncertain.
     """
 
-    load_N: Quantity  # noqa: N815
-    u_deg: Quantity
-    mean_curvature_radius_mm: Quantity
-    radius_from_indentation_mm: Quantity
-    radius_from_compliance_mm: Quantity
-    indentation_mm: Quantity
-    youngs_modulus_kpa: Quantity
-    effective_thickness_mm: Quantity
-    youngs_modulus_on_layer_kpa: Quantity
-    indentation_on_layer_mm: Quantity
-    loading_radius_on_layer_mm: Quantity
+    numbers: dict[str, Quantity]
     layer_flag: str | None
     range_notes: list[str]
     verdicts: dict[str, str]
@@ -124,19 +92,23 @@ class ContactPooling(Answer):
 
 
 class ContactMeasurement(Answer):
-    """A contact image measured under a correction; its model may wait for photographs of the finger."""
+    """A contact image measured under a correction; its model may wait for photographs of the finger.
+
+    `handles_px` are its centre and an end of either axis; the automatic measurement is there to compare with.
+    """
 
     item: str
     by: MeasuredBy
     outline_px: list[Point]
-    ellipse_px: ManualContactEllipse
-    handles: ContactHandles
-    numbers: ContactNumbers
-    automatic: AutomaticContact | None
+    handles_px: tuple[Point, Point, Point]
+    numbers: dict[str, Quantity]
+    automatic: dict[str, Quantity] | None
+    automatic_outline_px: list[Point] | None
     automatic_error: str | None
     model: ContactModel | None
     waits: bool
-    settings: ContactSettings
+    dark_on_light: bool
+    threshold: float | None
     flags: list[str]
     pooling: ContactPooling | None
     mm_per_px: float
@@ -152,8 +124,8 @@ class ContactLevels(Answer):
 
 # What the page shows of a contact's row, and what that is made of.
 _MODEL_COLUMNS: Final = COLUMNS.keys() & {
-    *(*PLACEMENT, *HEADLINES, *ContactModel.model_fields),
-    *(f"{name}_std" for name in (*HEADLINES, *ContactModel.model_fields)),
+    *(*PLACEMENT, *HEADLINES, *_MODELLED, "layer_flag", "range_notes"),
+    *(f"{name}_std" for name in (*HEADLINES, *_MODELLED)),
 }
 
 
@@ -176,18 +148,18 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     waits = params.soon and image.complete and known_finger(opened, image.contact.finger) is None
     model = image.model(measured) if image.complete and not waits else None
     own, error = image.automatic() if change.edits else (seen, None)
-    automatic = own and AutomaticContact.of(own.as_record(), outline_px=own.outline.round(2))
     return ContactMeasurement.of(
+        seen,
         item=image.item,
         by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
         outline_px=seen.outline.round(2),
-        **_drawn(seen, image.found),
-        numbers=ContactNumbers.of(seen.as_record()),
-        automatic=automatic,
+        handles_px=_handles(seen, image.found.scale.mm_per_px),
+        numbers=quantities(seen.as_record().get, _MEASURED),
+        automatic=own and quantities(own.as_record().get, _MEASURED),
+        automatic_outline_px=own and own.outline.round(2),
         automatic_error=error,
         model=model,
         waits=waits,
-        settings=ContactSettings.of(seen),
         flags=[*doubts_of(seen), *image.found.flags],
         pooling=model and image.pooling(measured, model),
         mm_per_px=image.found.scale.mm_per_px,
@@ -321,8 +293,9 @@ class _Image:
             if (std := row[f"{name}_std"]) is not None:
                 relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
                 row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
-        return ContactModel.of(
-            row,
+        return ContactModel(
+            numbers=quantities(row.get, _MODELLED),
+            layer_flag=row["layer_flag"],
             range_notes=(row["range_notes"] or "").split(),
             verdicts={name: one.verdict for name, one in headlines.items()},
         )
@@ -347,19 +320,12 @@ class _Image:
         )
 
 
-def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
-    """Return ellipse and handles of a contact in pixels."""
-    size = found.scale.mm_per_px
-    ellipse, centre = contact_image.ellipse, contact_image.centroid
-    axes = float(ellipse.semi_major) / size, float(ellipse.semi_minor) / size
-    drawn = ImageEllipse(centre=centre, semi_axes=axes, orientation=contact_image.orientation)
-    # Four points: the ends of both axes.
-    top, left, bottom, right = drawn.points(4)
-    return {
-        "ellipse_px": {
-            "centre": centre,
-            "semi_axes": axes,
-            "orientation_deg": np.degrees(contact_image.orientation),
-        },
-        "handles": {"centre_px": centre, "major_ends_px": (top, bottom), "minor_ends_px": (left, right)},
-    }
+def _handles(contact_image: ContactImageResult, mm_per_px: float) -> list[Point]:
+    """Return centre and ends of the major and the minor axis of a contact's ellipse in pixels."""
+    major, minor = contact_image.ellipse.semi_major, contact_image.ellipse.semi_minor
+    ellipse = ImageEllipse(
+        centre=contact_image.centroid,
+        semi_axes=(float(major) / mm_per_px, float(minor) / mm_per_px),
+        orientation=contact_image.orientation,
+    )
+    return [ellipse.centre, *ellipse.points(4)[:2]]

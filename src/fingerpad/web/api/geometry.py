@@ -1,6 +1,6 @@
 """The pad in three dimensions: point of contact, curvature, wedge and platen."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Final, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,7 +10,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web.answers import Answer, Point3D, Quantity, SemiAxes
+from fingerpad.web.answers import Answer, Axis, Point3D, Quantity, semi_axes
 from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
@@ -18,14 +18,8 @@ from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
-_Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
-
-
-class NamedLine(Answer):
-    """A line to draw, mm."""
-
-    name: str
-    points_mm: list[Point3D]
+# Parametric angles u of the midline that are marked.
+_MARKED_DEG: Final = (0, 30, 45, 60, 90)
 
 
 class Wedge(Answer):
@@ -35,17 +29,13 @@ class Wedge(Answer):
     faces: list[list[int]]
 
 
-class SurfacePoint(Answer):
-    """A point of the midline at the parametric angle u."""
-
-    u_deg: float
-    point_mm: Point3D
-
-
 class PadGeometry(Answer):
-    """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw."""
+    """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw.
 
-    semi_axes_mm: SemiAxes
+    `points_mm` are those of the midline at parametric angles u in degrees.
+    """
+
+    semi_axes_mm: dict[Axis, Quantity]
     u_deg: Quantity
     v_deg: Quantity
     in_plane_radius_mm: Quantity
@@ -56,10 +46,10 @@ class PadGeometry(Answer):
     normal: Point3D
     principal_directions: tuple[Point3D, Point3D]
     mesh_mm: list[list[Point3D]]
-    lines: list[NamedLine]
+    lines_mm: dict[str, list[Point3D]]
     platen_mm: list[Point3D]
     wedge: Wedge
-    points: list[SurfacePoint]
+    points_mm: dict[str, Point3D]
 
 
 class GeometryParams(Params):
@@ -72,7 +62,6 @@ class GeometryParams(Params):
     wedge_angle_deg: WedgeAngle = 30.0
     roll_angle_deg: RollAngle = 0.0
     detail: Annotated[int, Field(ge=4, le=120)] = 32
-    u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
@@ -93,17 +82,17 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
     return PadGeometry.of(
-        semi_axes_mm=SemiAxes.of_three(axes, None if covariance is None else np.sqrt(covariance.diagonal())),
+        semi_axes_mm=semi_axes(axes, None if covariance is None else np.sqrt(covariance.diagonal())),
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
         v_deg=np.degrees(placement.v),
         contact_point_mm=placement.point,
         normal=placement.normal,
         principal_directions=placement.curvature.principal_directions,
         mesh_mm=mesh,
-        lines=_lines(pad, placement, float(max(axes))),
+        lines_mm=_lines(pad, placement, float(max(axes))),
         platen_mm=_platen(placement, float(max(axes))),
         wedge=_wedge(pad, placement),
-        points=[{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
+        points_mm={str(u): pad.point(np.radians(u), np.pi / 2) for u in _MARKED_DEG},
     )
 
 
@@ -140,19 +129,17 @@ def _placed(
     return placed
 
 
-def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[dict[str, Any]]:
-    """Return lines: principal directions, normal, finger axis and midline."""
+def _lines(pad: Ellipsoid, placement: Placement, size: float) -> dict[str, FloatArray]:
+    """Return lines by name: principal directions, normal, finger axis and midline."""
     point, reach = placement.point, 0.6 * size
     along, across = placement.curvature.principal_directions
-    midline = pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2)
-    lines = {
+    return {
         "principal direction along": np.stack([point - reach * along, point + reach * along]),
         "principal direction across": np.stack([point - reach * across, point + reach * across]),
         "normal": np.stack([point, point + reach * placement.normal]),
         "finger axis": np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes,
-        "midline": midline,
+        "midline": pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2),
     }
-    return [{"name": name, "points_mm": points} for name, points in lines.items()]
 
 
 def _platen(placement: Placement, size: float) -> FloatArray:

@@ -30,7 +30,7 @@ from fingerpad.study.measuring.fingers import (
     outline_radii,
     photograph_item,
 )
-from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantity, SemiAxes
+from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantity, semi_axes
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
@@ -74,7 +74,7 @@ class FaceDifference(Answer):
 class CombinedFaces(Answer):
     """The semi-axes that all faces of a finger give."""
 
-    semi_axes_mm: SemiAxes
+    semi_axes_mm: dict[Axis, Quantity]
     chi_square: float
     degrees_of_freedom: int
     p_words: str
@@ -254,7 +254,7 @@ def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFi
     found = combine_faces(faces.values())
     return CombinedFaces.of(
         found,
-        semi_axes_mm=SemiAxes.of_three(found.semi_axes, found.stds),
+        semi_axes_mm=semi_axes(found.semi_axes, found.stds),
         p_words=p_words(found.p_value),
         disagreements=[
             {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}

@@ -62,15 +62,6 @@ class Rows(Answer):
     rows: list[dict[str, Quantity | Cell]]
 
 
-class RangeNote(Answer):
-    """A limit of the model that some rows are beyond."""
-
-    code: str
-    words: str
-    to_do: str
-    rows: int
-
-
 class Group(Answer):
     """A finger at one placement; `figure` begins the names of its figures in the report."""
 
@@ -118,10 +109,9 @@ class CheckWords(Answer):
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
 
-    `points` are the columns that are plotted against the load of each item.
-
-    `radius_verdict` is that of the corrected radius, `radius_of_model` whether its standard uncertainty holds
-    what the model leaves uncertain.
+    `points` are the columns that are plotted against the load of each item, `range_notes` the number of rows
+    beyond each limit of the model. `radius_verdict` is that of the corrected radius, `radius_of_model`
+    whether its standard uncertainty holds what the model leaves uncertain.
     """
 
     radius_from_indentation_mm: Quantity
@@ -133,7 +123,7 @@ class PlottedGroup(Group):
     load_N: list[float | None]  # noqa: N815
     pooled: list[bool]
     points: dict[str, list[Quantity]]
-    range_notes: list[RangeNote]
+    range_notes: dict[str, int]
     verdict: str
     checks: list[CheckWords]
     pooling: Pooling
@@ -235,29 +225,24 @@ def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     return chosen
 
 
-# The usual columns in their order, which the page calls by less than their names.
-_USUAL: Final = {
-    "finger": "Finger",
-    "wedge_angle_deg": "θ",
-    "load_N": "W",
-    "status": "Status",
+# The usual columns in their order.
+_USUAL: Final = (
+    *("finger", "wedge_angle_deg", "load_N", "status", "radius_from_indentation_mm", "semi_major_mm"),
+    *("semi_minor_mm", "gross_area_mm2", "ridge_area_mm2", "indentation_mm", "youngs_modulus_kpa"),
+    *("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm", "layer_flag"),
+    *("radius_from_compliance_mm", "mean_curvature_radius_mm", "contact_radius_ratio", "measured_by"),
+)
+# Columns that are called neither by their symbols nor by their names.
+_LABELS: Final = {
     "radius_from_indentation_mm": "Corrected R",
-    "semi_major_mm": "ℓ_d",
-    "semi_minor_mm": "ℓ_e",
-    "gross_area_mm2": "Gross area",
-    "ridge_area_mm2": "Ridge area",
-    "indentation_mm": "ξ",
-    "youngs_modulus_kpa": "E",
     "youngs_modulus_on_layer_kpa": "E on layer",
     "indentation_on_layer_mm": "ξ on layer",
     "loading_radius_on_layer_mm": "R_g on layer",
     "layer_flag": "Layer out of range",
-    "radius_from_compliance_mm": "R_Aξ",
-    "mean_curvature_radius_mm": "R_0g",
-    "contact_radius_ratio": "a/R",
     "measured_by": "By",
+    "mm_per_px": "Scale",
 }
-_LABELS: Final = _USUAL | {"mm_per_px": "Scale"}
+_SYMBOLS: Final = {symbol.column: key for key, symbol in GLOSSARY.items() if symbol.column}
 
 
 def _usual(study: Study) -> list[str]:
@@ -266,18 +251,17 @@ def _usual(study: Study) -> list[str]:
     return [name for name in _USUAL if layered or "layer" not in name]
 
 
-def _label(column: Column) -> str:
-    unit = unit_of(column.name)
-    plain = re.sub(r"_(mm2?|kpa|deg|px|N|s)$", "", column.name).replace("_", " ")
-    return ", ".join(filter(None, (_LABELS.get(column.name, plain), unit)))
+def _label(name: str) -> str:
+    plain = re.sub(r"_(mm2?|kpa|deg|px|N|s)$", "", name).replace("_", " ").capitalize()
+    return ", ".join(filter(None, (_LABELS.get(name) or _SYMBOLS.get(name, plain), unit_of(name))))
 
 
 def _column(column: Column) -> ColumnEntry:
     return ColumnEntry(
         key=column.name,
-        label=_label(column),
+        label=_label(column.name),
         words=column.meaning,
-        symbol=next((key for key, symbol in GLOSSARY.items() if symbol.column == column.name), None),
+        symbol=_SYMBOLS.get(column.name),
     )
 
 
@@ -304,9 +288,7 @@ def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, Active
         load_N=items(rows["load_N"]),
         pooled=items(rows["pooled"]),
         points=_points(rows),
-        range_notes=[
-            RangeNote.of(flag, rows=codes[code]) for code, flag in FLAGS["row"].items() if code in codes
-        ],
+        range_notes={code: codes[code] for code in FLAGS["row"] if code in codes},
         verdict=of.validity.verdict,
         checks=[CheckWords(verdict=one.verdict, words=check_words(one)) for one in of.validity.checks],
         radius_verdict=radius.verdict,

@@ -65,7 +65,7 @@ def signal(opened: Opened, params: Query[SignalParams]) -> SequenceSignal:
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     found = last_results(opened)
-    rows = frame_rows(found.table, sequence.name) if found else {}
+    rows = frame_rows(found.table, sequence.name, "time_s", "gross_area_mm2") if found else {}
     timed = {frame: row for frame, row in rows.items() if row["time_s"] is not None}
     drawn, phases = _extremes(force), phase_intervals(force.time, force.load)
     return SequenceSignal.of(

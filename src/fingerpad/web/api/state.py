@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias, get_args
+from typing import Annotated, Any, Final, TypeAlias, get_args
 
 import numpy as np
 from pydantic import (
@@ -40,7 +40,7 @@ from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
-from fingerpad.web.answers import Answer, Face, Quantity, SemiAxes, Status
+from fingerpad.web.answers import Answer, Axis, Face, Quantity, Status, semi_axes
 from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import frame_rows, known_finger, last_results, results_faults
@@ -103,7 +103,7 @@ class FingerEntry(Answer):
     table: dict[str, Any]
     complete: bool
     synthetic: bool
-    semi_axes_mm: SemiAxes | None
+    semi_axes_mm: dict[Axis, Quantity] | None
     effective_thickness_mm: Quantity
     status: Status
     reason: str | None
@@ -166,16 +166,6 @@ class FileEntry(Answer):
     reading: NewFile | None
 
 
-class Counts(Answer):
-    """Number of items of each status."""
-
-    done: int
-    failed: int
-    stale: int
-    left: int
-    total: int
-
-
 class ResultsStatus(Answer):
     """Whether there are results, and whether they are those of the current study."""
 
@@ -187,7 +177,7 @@ class ResultsStatus(Answer):
 
 
 class State(Answer):
-    """The state of a study, and flags by what is flagged and their codes.
+    """The state of a study, flags by what is flagged and their codes, and the number of items by status.
 
     `stated` are the keys of `uncertainty` that its manifest holds.
     """
@@ -213,7 +203,7 @@ class State(Answer):
     curves: list[CurveEntry]
     files: list[FileEntry]
     flags: dict[str, dict[str, Flag]]
-    counts: Counts
+    counts: dict[str, int]
     run: RunStatus
     results: ResultsStatus
 
@@ -233,6 +223,12 @@ class FrameEntry(Review):
     gross_area_mm2: float | None
     aspect_ratio: float | None
     interpolated: bool
+
+
+_FRAME_COLUMNS: Final = (
+    *("status", "flags", "phase", "phase_corrected_by", "time_s", "load_N"),
+    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
+)
 
 
 class Frames(Answer):
@@ -272,8 +268,7 @@ def state_of(opened: StudySession) -> State:
         curves=known.curves(),
         files=_files(opened),
         flags=FLAGS,
-        counts={name: counts[name] for name in ("done", "failed", "stale", "left")}
-        | {"total": len(known.states)},
+        counts={name: counts[name] for name in ("done", "failed", "stale", "left")},
         run=opened.run_job.describe(),
         results=known.results(counts),
     )
@@ -351,8 +346,7 @@ class _Known:
             self.stated(table, complete=complete),
             name=name,
             table=table,
-            semi_axes_mm=known
-            and SemiAxes.of_three(known.semi_axes, np.sqrt(known.covariance.diagonal()), ""),
+            semi_axes_mm=known and semi_axes(known.semi_axes, np.sqrt(known.covariance.diagonal()), ""),
             effective_thickness_mm=Quantity.read(table.get, "effective_thickness_mm", ""),
             status=status,
             reason=record.reason if record and status == "failed" else None,
@@ -400,20 +394,22 @@ class _Known:
     def curves(self) -> list[CurveEntry]:
         names = iter(curve_names(self.loaded.study))
         seen = self.found.summary.curves if self.found else []
-        reasons = {(one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen}
+        reasons: dict[Any, str | None] = {
+            (one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen
+        }
 
-        def entry(key: str, table: dict[str, Any], complete: bool) -> CurveEntry:
-            item = next(names) if complete else None
-            at: Any = tuple(map(table.get, ("finger", "wedge_angle_deg", "file")))
-            return CurveEntry.of(
+        return [
+            CurveEntry.of(
                 self.stated(table, complete=complete),
                 key=key,
                 loading_radius_mm=Quantity.read(table.get, "loading_radius_mm", ""),
-                status=self.states.get(item or "", "given"),
-                reason=reasons.get(at) if complete else None,
+                status=self.states.get(next(names) or "", "given") if complete else "given",
+                reason=reasons.get((table.get("finger"), table.get("wedge_angle_deg"), table.get("file")))
+                if complete
+                else None,
             )
-
-        return [entry(*one) for one in self.tables("curve")]
+            for key, table, complete in self.tables("curve")
+        ]
 
     def results(self, counts: Mapping[str, int]) -> ResultsStatus:
         """Return whether there are results and a report, and whether they are up to date."""
@@ -441,14 +437,13 @@ def _files(opened: StudySession) -> list[FileEntry]:
     fingers = [finger.name for finger in opened.study().fingers]
 
     def entry(name: str, size: int) -> FileEntry:
-        kind = kind_of_file(name)
-        if name not in unused:
-            used = not name.startswith(folders)
-            return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=None)
-        if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
-            kind = "sequence"
-        reading = named_file(name, kind, fingers)
-        return FileEntry.of(file=name, kind=kind, bytes=size, used=False, reading=reading)
+        kind, reading = kind_of_file(name), None
+        if name in unused:
+            if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
+                kind = "sequence"
+            reading = named_file(name, kind, fingers)
+        used = reading is None and not name.startswith(folders)
+        return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=reading)
 
     return [entry(name, status.st_size) for name, status in opened.files().items()]
 
@@ -472,7 +467,7 @@ def frames(opened: Opened, params: Query[FramesParams]) -> Frames:
     """Return frames of a sequence, with the results of the last run."""
     name, found = params.sequence, last_results(opened)
     total = opened.count_frames(opened.sequence_file(name)) or 0
-    rows = frame_rows(found.table, name) if found else {}
+    rows = frame_rows(found.table, name, *_FRAME_COLUMNS) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     active = frame_corrections(opened.corrections.active_corrections(), name, shown)
 

@@ -197,7 +197,7 @@ export class PadScene {
     render(this.marks, [
       line([...scene.platen_mm, scene.platen_mm[0]], "platen-edge"),
       this.edges.map((edge) => line(edge, "wedge-edge")),
-      scene.lines.map(({ name, points_mm: points }) => {
+      Object.entries(scene.lines_mm).map(([name, points]) => {
         if (!directions[name]) return line(points, `aid.${name.replace(" ", "-")}`);
         const [kind, radius] = directions[name];
         const [right, top] = project(points.at(-1));
@@ -208,7 +208,7 @@ export class PadScene {
         ];
       }),
       s("circle.contact", { cx: x, cy: y, r: 5 }),
-      scene.points?.map(({ u_deg: u, point_mm: point }, index) => {
+      Object.entries(scene.points_mm).map(([u, point], index) => {
         const [cx, cy] = project(point);
         return [
           s("circle.station", { cx, cy, r: 2.6 }),

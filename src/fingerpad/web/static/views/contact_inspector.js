@@ -174,7 +174,11 @@ export class ContactInspector extends Inspector {
       model &&
         h("div.headline.main-number", [
           h("span", ["Corrected radius ", symbol("R_g^corr")]),
-          h("span.figure-big.number", { "data-live": "radius" }, model.radius_from_indentation_mm.words),
+          h(
+            "span.figure-big.number",
+            { "data-live": "radius" },
+            model.numbers.radius_from_indentation_mm.words,
+          ),
           verdictOf(model, "radius_from_indentation_mm"),
           outOfDate(),
         ]),
@@ -185,11 +189,11 @@ export class ContactInspector extends Inspector {
       ]),
       model && [
         h("div.headline", [h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()]),
-        h("dl.readings", quantityRows(MODEL, model, { beside: (key) => verdictOf(model, key) })),
+        h("dl.readings", quantityRows(MODEL, model.numbers, { beside: (key) => verdictOf(model, key) })),
       ],
       layered(model) && [
-        h("h3", `Model, ${model.effective_thickness_mm.words} of tissue over bone`),
-        h("dl.readings", { "data-live": "layer" }, quantityRows(ON_LAYER, model)),
+        h("h3", `Model, ${model.numbers.effective_thickness_mm.words} of tissue over bone`),
+        h("dl.readings", { "data-live": "layer" }, quantityRows(ON_LAYER, model.numbers)),
         model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
       !model &&
@@ -217,14 +221,13 @@ export class ContactInspector extends Inspector {
   /** @param {ContactMeasurement | null} answer */
   settings(answer) {
     const { change } = this.view.corrections;
-    const used = answer?.settings;
     const smooth = this.isSmooth();
     this.drawSettings(
       [
         choiceField("Polarity", {
           value: String(change.dark_on_light ?? ""),
           options: [
-            ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
+            ["", answer === null ? "automatic" : `automatic: ${answer.dark_on_light ? "dark" : "light"}`],
             ["true", smooth ? "dark contact on light" : "dark ridges on light"],
             ["false", smooth ? "light contact on dark" : "light ridges on dark"],
           ],
@@ -241,7 +244,7 @@ export class ContactInspector extends Inspector {
           numberField("Threshold, grey levels", {
             value: change.threshold ?? null,
             min: 0,
-            placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
+            placeholder: answer?.threshold == null ? "automatic" : `automatic: ${short(answer.threshold)}`,
             onset: (value) => this.view.set("threshold", value),
           }),
       ],
@@ -261,7 +264,7 @@ export class ContactInspector extends Inspector {
 }
 
 /** @param {ContactMeasurement["model"]} model */
-const layered = (model) => typeof model?.effective_thickness_mm.value === "number";
+const layered = (model) => typeof model?.numbers.effective_thickness_mm.value === "number";
 
 /** @type {["semi_major_mm" | "semi_minor_mm" | "gross_area_mm2" | "ridge_area_mm2", string][]} */
 const AGREEMENT = [

@@ -91,9 +91,8 @@ export class ContactReview extends Review {
     this.stage.setScale(answer.mm_per_px);
     this.overlay.region(answer.outline_px);
     if (!live) {
-      const { centre_px: centre, major_ends_px: major, minor_ends_px: minor } = answer.handles;
       this.stage.setMessage("");
-      this.editor.place(centre, major[0], minor[0]);
+      this.editor.place(...answer.handles_px);
       this.showTool();
       this.stage.tool?.dry?.();
     }
@@ -170,7 +169,7 @@ export class ContactReview extends Review {
   showAutomatic(show) {
     if (this.blind) return;
     const own = this.measured?.automatic;
-    this.overlay.own(show && own ? own.outline_px : null);
+    this.overlay.own(show && own ? this.measured.automatic_outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
     if (show && !own)
       this.stage.setMessage(this.measured?.automatic_error ?? "No contact was found automatically.");

@@ -4,6 +4,7 @@ import { contactAddress, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
@@ -141,9 +142,11 @@ export class Plots {
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
     const checks = group.checks.map(({ words }) => words);
-    const doubts = group.range_notes.map(
-      ({ words, to_do, rows }) =>
-        `${rows} of ${group.items.length} contacts and frames: ${words}. To do: ${to_do}.`,
+    const { row: flags } = workspace.study.flags;
+    const doubts = Object.entries(group.range_notes).map(
+      ([code, rows]) =>
+        `${rows} of ${group.items.length} contacts and frames: ${flags[code].words}. ` +
+        `To do: ${flags[code].to_do}.`,
     );
     const folded = (words, notes) => h("details.range", [h("summary", words), list(notes, "ul.note")]);
     const fact = (label, { value, words }) =>
