@@ -109,8 +109,8 @@ class CheckWords(Answer):
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
 
-    `points` are the columns that are plotted against the load of each item, `range_notes` the number of rows
-    beyond each limit of the model. `radius_verdict` is that of the corrected radius, `radius_of_model`
+    `points` are the columns that are plotted against the load of each item, `doubts` the limits of the
+    model that rows are beyond. `radius_verdict` is that of the corrected radius, `radius_of_model`
     whether its standard uncertainty holds what the model leaves uncertain.
     """
 
@@ -123,7 +123,7 @@ class PlottedGroup(Group):
     load_N: list[float | None]  # noqa: N815
     pooled: list[bool]
     points: dict[str, list[Quantity]]
-    range_notes: dict[str, int]
+    doubts: list[str]
     verdict: str
     checks: list[CheckWords]
     pooling: Pooling
@@ -133,7 +133,7 @@ class BudgetGroup(Group):
     """The uncertainty budget of a finger at one placement."""
 
     pooled: dict[str, float | None] | None
-    check_words: str
+    check_words: str | None
     check: UncertaintyCheckRecord | None
 
 
@@ -288,7 +288,11 @@ def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, Active
         load_N=items(rows["load_N"]),
         pooled=items(rows["pooled"]),
         points=_points(rows),
-        range_notes={code: codes[code] for code in FLAGS["row"] if code in codes},
+        doubts=[
+            f"{codes[code]} of {len(rows)} contacts and frames: {flag.words}. To do: {flag.to_do}."
+            for code, flag in FLAGS["row"].items()
+            if code in codes
+        ],
         verdict=of.validity.verdict,
         checks=[CheckWords(verdict=one.verdict, words=check_words(one)) for one in of.validity.checks],
         radius_verdict=radius.verdict,
@@ -347,9 +351,8 @@ def _pooling(rows: pd.DataFrame, rejected: int, active: Mapping[str, ActiveCorre
         frames_pooled=int(frames["pooled"].sum()),
         in_question=[
             PooledContact.of(
+                row,
                 item=row["observation"],
-                load_N=row["load_N"],
-                pooled=row["pooled"],
                 why=pooling_words(row),
                 correction=pooling_correction(active.get(row["observation"])),
             )
@@ -366,16 +369,11 @@ def budget(opened: Opened) -> list[BudgetGroup]:
             one,
             figure=group_name(one.key),
             pooled=one.radius_from_indentation_variance_shares,
-            check_words=_check_words(one),
-            check=one.uncertainty_check,
+            check=(check := one.uncertainty_check),
+            check_words=check and f"{check.observation}: {value_with_uncertainty(check.value, check.std)} mm",
         )
         for one in require_results(opened).summary.summaries
     ]
-
-
-def _check_words(one: PlacementRecord) -> str:
-    check = one.uncertainty_check
-    return f"{check.observation}: {value_with_uncertainty(check.value, check.std)} mm" if check else ""
 
 
 @here.get("/published")

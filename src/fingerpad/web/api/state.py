@@ -394,22 +394,20 @@ class _Known:
     def curves(self) -> list[CurveEntry]:
         names = iter(curve_names(self.loaded.study))
         seen = self.found.summary.curves if self.found else []
-        reasons: dict[Any, str | None] = {
-            (one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen
-        }
+        reasons = {(one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen}
 
-        return [
-            CurveEntry.of(
+        def entry(key: str, table: dict[str, Any], complete: bool) -> CurveEntry:
+            item = next(names) if complete else None
+            at: Any = tuple(map(table.get, ("finger", "wedge_angle_deg", "file")))
+            return CurveEntry.of(
                 self.stated(table, complete=complete),
                 key=key,
                 loading_radius_mm=Quantity.read(table.get, "loading_radius_mm", ""),
-                status=self.states.get(next(names) or "", "given") if complete else "given",
-                reason=reasons.get((table.get("finger"), table.get("wedge_angle_deg"), table.get("file")))
-                if complete
-                else None,
+                status=self.states.get(item or "", "given"),
+                reason=reasons.get(at) if complete else None,
             )
-            for key, table, complete in self.tables("curve")
-        ]
+
+        return [entry(*one) for one in self.tables("curve")]
 
     def results(self, counts: Mapping[str, int]) -> ResultsStatus:
         """Return whether there are results and a report, and whether they are up to date."""

@@ -4,7 +4,6 @@ import { contactAddress, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
-import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
@@ -142,12 +141,6 @@ export class Plots {
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
     const checks = group.checks.map(({ words }) => words);
-    const { row: flags } = workspace.study.flags;
-    const doubts = Object.entries(group.range_notes).map(
-      ([code, rows]) =>
-        `${rows} of ${group.items.length} contacts and frames: ${flags[code].words}. ` +
-        `To do: ${flags[code].to_do}.`,
-    );
     const folded = (words, notes) => h("details.range", [h("summary", words), list(notes, "ul.note")]);
     const fact = (label, { value, words }) =>
       value !== null && h("div", [h("dt", label), h("dd.number", words)]);
@@ -171,7 +164,7 @@ export class Plots {
         poolingList(group.pooling),
         node,
         folded(`Does the model hold? ${group.verdict}`, checks),
-        doubts.length > 0 && folded(`Doubtful values (${doubts.length})`, doubts),
+        group.doubts.length > 0 && folded(`Doubtful values (${group.doubts.length})`, group.doubts),
       ],
       "section.card.plot-card",
     );
