@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from benchmarks.truth import image_sets
 from benchmarks.truth.independent_images import CONDITIONS, render
 from PIL import Image
 from skimage.measure import label, regionprops
@@ -527,6 +528,13 @@ def test_window_in_dark_mount(surround):
         found = measure_contact_image(pixels, PPI_500, mask=ring < 8.5)
     assert found.gross_area == pytest.approx(truth.gross_area, rel=0.03)
     assert not found.flags
+
+
+def test_a_dark_rim_is_not_measured_as_its_negative():
+    image = image_sets.draw("stripes", "prism, dark rim", 5, 8)
+    found = measure_contact_image(image.pixels, Scale(image.mm_per_px))
+    assert found.dark_on_light
+    assert found.gross_area == pytest.approx(image.gross_area, rel=0.1)
 
 
 @pytest.mark.parametrize("corner", [0.5, 0.05])

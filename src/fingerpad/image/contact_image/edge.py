@@ -21,6 +21,12 @@ from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals,
 
 # Share of an outline without ridges beyond which it may be that of something else.
 _MOSTLY: Final = 0.45
+# Contacts fade over less than so many ridge periods.
+_MOST_FADE: Final = 2.0
+_NO_EDGE: Final = (
+    "no contact found: the largest patch of ridges does not stand out from what lies around it: give "
+    "dark_on_light, or a region of interest"
+)
 _HALF_LEVEL: Final = 127.5
 # Amounts of ridge, of 255, are taken for no less.
 _LITTLE: Final = 25.5
@@ -115,6 +121,8 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if view.resolved and ridges.threshold is None:
         edge = _with_fade(edge, fade_signs(edge, view.contact, ridges.amount, region.patch))
+    if edge.fade > _MOST_FADE * edge.period:
+        raise ImageError(_NO_EDGE)
     rows, columns = region.patch.shape
     return replace(edge, points=edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5]))
 
@@ -170,10 +178,7 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     plain = float(ground.mean())
     contrast = np.float32(interior - plain)
     if not contrast > 0:
-        raise ImageError(
-            "no contact found: the largest patch of ridges does not stand out from what lies around it: give "
-            "dark_on_light, or a region of interest"
-        )
+        raise ImageError(_NO_EDGE)
     crossed = edge.along < EDGE.crossed
     # Where the outline follows a ridge, nothing varies along it that tells how the contact ends.
     untold = 1 - min(1.0, float(crossed.mean()) / EDGE.enough)

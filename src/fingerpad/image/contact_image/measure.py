@@ -15,6 +15,7 @@ Five steps, each with its own type and module:
    their uncertainty and doubts about them: a `ContactImageResult`.
 """
 
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -123,6 +124,11 @@ class PreparedContactImage(Displayed):
         """Whether a contact with ridges up to its edge was found automatically."""
         return self._found is not None and self._view.resolved and not self._found[1].mostly_bare
 
+    def is_within(self, other: "PreparedContactImage") -> bool:
+        """Return whether the contact found is smaller than another, or there is no other."""
+        own, its = (math.inf if one._found is None else one._found[0].patch.mean() for one in (self, other))
+        return bool(own < its)
+
     def level_histogram(self) -> tuple[FloatArray, FloatArray]:
         """Return how many pixels have which level, and the bins' edges, to choose a threshold by.
 
@@ -187,10 +193,11 @@ def prepare_contact_image(
         return replace(first, _nearby=tuple(others))
     prepared = _prepared(view, None, seed)
     if options.get("dark_on_light") is None and not prepared.is_clear:
-        # Dark corners, or what lies around a window, may have been taken for the ground.
+        # Dark corners may have been taken for the ground, or a window in a dark mount for the contact in it.
         options["dark_on_light"] = not view.dark_on_light
         other = _prepared(view_of(pixels, scale, **options), None, seed)
-        return other if other.is_clear and not other.measure().flags else prepared
+        if other.is_clear and other.is_within(prepared) and not other.measure().flags:
+            return other
     return prepared
 
 
