@@ -72,6 +72,7 @@ export class Table {
       showError,
       this.table,
     );
+    this.drawn = "";
     this.#draw((this.answer = await get("/results/rows", this.asked)));
   }
 
@@ -86,7 +87,11 @@ export class Table {
 
   /** @param {Answers["Rows"]} answer */
   #draw({ columns, usual, rows, matching, total }) {
-    const { offset } = this.asked;
+    const { offset, sort } = this.asked;
+    // Drawn again, a row that is there already would lose the focus.
+    const drawn = JSON.stringify([rows, matching, offset, sort, this.all]);
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
     const shown = this.all
       ? columns.filter(({ key }) => key !== "observation")
       : usual.map((wanted) => columns.find(({ key }) => key === wanted));
