@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerpad.loading import LoadingCurve
+from fingerpad.report import write_report
 from fingerpad.simulate import outline_points
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import Row, records
 
 OUTLINES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
 PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
@@ -90,6 +93,26 @@ def study_of(*tables: Table, title: str = "T", **top: Any) -> Study:
 def run(folder: Path, *tables: Table, **top: Any) -> StudyResult:
     """Write a study, run it into its folder ``out``, and return the result."""
     return run_study(write_study(folder, *tables, **top), folder / "out")
+
+
+def run_watched(manifest: Path, out: Path | None = None, **options: Any) -> tuple[StudyResult, list[str]]:
+    """Run a study, by default into ``out`` beside its manifest; return the result and what was measured."""
+    reported: list[Progress] = []
+    out = out or manifest.parent / "out"
+    result = run_study(manifest, out, on_progress=reported.append, **options)
+    assert reported[0].status == "started"
+    assert reported[-1].pictures == reported[-1].total
+    return result, [one.item for one in reported if one.item and one.status not in {"checked", "written"}]
+
+
+def rows_by(result: StudyResult, key: str = "observation") -> dict[Any, Row]:
+    """Return the rows of a result by their observation, or by another column."""
+    return {row[key]: row for row in records(result.rows)}
+
+
+def page_of(result: StudyResult, out: Path) -> str:
+    """Return the text of the report, written into a folder."""
+    return write_report(result, out).read_text(encoding="utf-8")
 
 
 def _place(finger: str, wedge: float, **keys: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import pytest
 from distributed import Client
 from tests import command
 from tests.study.crashing import crash
-from tests.study.small_study import FRAMES, PICTURES, copy, copy_unfinished
+from tests.study.small_study import FRAMES, PICTURES, copy
 from tests.waiting import wait_until
 
 import fingerpad
@@ -25,9 +25,11 @@ from fingerpad.study.engine import cluster
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.task import Limits, Task
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.table import records
+from fingerpad.study.results.table import Row, records
 
 TOTAL = PICTURES + 2 + FRAMES
+HERE = str(Path(__file__).parents[2])  # whence a worker imports what crashes
+CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
 # Loaded by a worker, for which a folder is not there then; to mount something over it takes more rights.
 _BLIND = """
 import os
@@ -46,23 +48,6 @@ os.stat = stat
 @pytest.fixture(autouse=True)
 def patience(small_pieces: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 120)
-
-
-@pytest.fixture(scope="module")
-def made(small_study: Path) -> Path:
-    return small_study
-
-
-@pytest.fixture
-def unfinished(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study whose run had yet to measure the pictures and the sequence."""
-    return copy_unfinished(small_run, tmp_path / "study", "o", "p")
-
-
-@pytest.fixture
-def undisturbed(small_run: Path, tmp_path: Path) -> list[dict]:
-    finished = copy(small_run, tmp_path / "undisturbed")
-    return list(records(run_study(finished, finished.parent / "out").rows))
 
 
 class Scheduler:
@@ -147,7 +132,11 @@ def workers(scheduler: Scheduler, tmp_path: Path) -> Iterator[Workers]:
 def run(
     manifest: Path, out: Path, scheduler: str, reported: Callable[[Progress], None] = lambda _: None
 ) -> list:
-    return list(records(run_study(manifest, out, scheduler=scheduler, on_progress=reported).rows))
+    return rows(manifest, out, scheduler=scheduler, on_progress=reported)
+
+
+def rows(manifest: Path, out: Path, **options: object) -> list[Row]:
+    return list(records(run_study(manifest, out, **options).rows))
 
 
 def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
@@ -190,10 +179,7 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(
         end(scheduler.process)
         workers.end()
     again: list[Progress] = []
-    assert (
-        list(records(run_study(unfinished, unfinished.parent / "out", on_progress=again.append).rows))
-        == undisturbed
-    )
+    assert rows(unfinished, unfinished.parent / "out", on_progress=again.append) == undisturbed
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
@@ -214,34 +200,35 @@ def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
     small_study: Path, tmp_path: Path, workers: Workers, scheduler: Scheduler
 ) -> None:
     manifest = copy(small_study, tmp_path / "study")
-    workers.start_alone(path=str(Path(__file__).parents[2]))
-    task = Task(name="a", item="a", file="o0.png", key="k", work=crash, inputs=())
+    workers.start_alone(path=HERE)
     with cluster.cluster_executor(manifest, 1, workers.address, Limits()) as executor:
-        workers.start_alone(path=str(Path(__file__).parents[2]), blind_to=manifest.parent)
+        workers.start_alone(path=HERE, blind_to=manifest.parent)
         assert wait_until(lambda: scheduler.workers() == 2)
         end(workers.started[0])
         with pytest.raises(ClusterError, match=r"worker tcp://\S+ on \S+ does not see"):
-            executor.submit(task).result(60)
+            executor.submit(CRASHING).result(60)
 
 
 def test_a_worker_of_another_version_is_refused_by_its_name(
-    made: Path, tmp_path: Path, workers: Workers
+    small_study: Path, tmp_path: Path, workers: Workers
 ) -> None:
     other = tmp_path / "other" / "fingerpad-0.0.7.dist-info"
     other.mkdir(parents=True)
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: fingerpad\nVersion: 0.0.7\n")
     workers.start_alone(path=str(other.parent))
     with pytest.raises(ClusterError, match=r"worker tcp://\S+ has fingerpad 0\.0\.7, this is .*: install"):
-        run(made, tmp_path / "out", workers.address)
+        run(small_study, tmp_path / "out", workers.address)
 
 
-def test_a_worker_of_other_code_is_refused_by_its_name(made: Path, tmp_path: Path, workers: Workers) -> None:
+def test_a_worker_of_other_code_is_refused_by_its_name(
+    small_study: Path, tmp_path: Path, workers: Workers
+) -> None:
     package = Path(shutil.copytree(Path(fingerpad.__file__).parent, tmp_path / "src" / "fingerpad"))
     with (package / "image" / "scale.py").open("a") as file:
         file.write("\n# changed\n")
     workers.start_alone(path=str(package.parent))
     with pytest.raises(ClusterError, match=r"worker tcp://\S+ has another fingerpad than this"):
-        run(made, tmp_path / "out", workers.address)
+        run(small_study, tmp_path / "out", workers.address)
 
 
 @pytest.mark.nightly
@@ -260,31 +247,31 @@ def test_workers_that_are_all_dead_end_the_run_in_words(
 
     with pytest.raises(ClusterError, match="has had no worker for 3 s: what was measured is kept"):
         run(unfinished, unfinished.parent / "out", workers.address, kill_all)
-    assert list(records(run_study(unfinished, unfinished.parent / "out").rows)) == undisturbed
+    assert rows(unfinished, unfinished.parent / "out") == undisturbed
 
 
 def test_a_task_that_crashes_is_named_and_costs_no_worker(
-    made: Path, tmp_path: Path, workers: Workers
+    small_study: Path, tmp_path: Path, workers: Workers
 ) -> None:
-    workers.start_alone(path=str(Path(__file__).parents[2]))
-    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
-    with cluster.cluster_executor(made, 1, workers.address, Limits()) as executor:
-        result = executor.submit(task).result(60)
+    workers.start_alone(path=HERE)
+    with cluster.cluster_executor(small_study, 1, workers.address, Limits()) as executor:
+        result = executor.submit(CRASHING).result(60)
         with Client(workers.address, set_as_default=False) as client:
             assert len(client.nthreads()) == 1
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
 @pytest.mark.nightly
-def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(made: Path, workers: Workers) -> None:
+def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(
+    small_study: Path, workers: Workers
+) -> None:
     workers.start_alone()
-    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
     with Client(workers.address, set_as_default=False) as client:
-        executor = cluster.ClusterExecutor(client, made, Limits())
+        executor = cluster.ClusterExecutor(client, small_study, Limits())
         client.close()
         assert executor.capacity == 2
         with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
-            executor.submit(task)
+            executor.submit(CRASHING)
 
 
 @pytest.mark.parametrize(
@@ -293,21 +280,19 @@ def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(made: Path, w
         ("tcp://127.0.0.1:9", "no scheduler answers"),
         ("nonsense", "--scheduler takes an address, as in tcp://host:8786, or local; found 'nonsense'"),
         ("tls://127.0.0.1:9", "no certificate is configured"),
+        ("", "has no worker: start some with `dask worker tcp://"),
     ],
 )
-def test_wrong_address(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str, words: str
+def test_a_scheduler_that_is_none_or_has_no_workers(
+    small_study: Path,
+    tmp_path: Path,
+    scheduler: Scheduler,
+    monkeypatch: pytest.MonkeyPatch,
+    address: str,
+    words: str,
 ) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 1)
-    assert words in refusal(made, tmp_path / "out", address)
-
-
-def test_scheduler_without_workers(
-    made: Path, tmp_path: Path, scheduler: Scheduler, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cluster, "_WAIT_S", 1)
-    words = f"has no worker: start some with `dask worker {scheduler.address}"
-    assert words in refusal(made, tmp_path / "out", scheduler.address)
+    assert words in refusal(small_study, tmp_path / "out", address or scheduler.address)
 
 
 def refusal(manifest: Path, out: Path, scheduler: str) -> str:
@@ -331,18 +316,17 @@ def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
 
 @pytest.mark.nightly
 def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> None:
-    out = unfinished.parent / "out"
-    assert list(records(run_study(unfinished, out, workers=2, scheduler="local").rows)) == undisturbed
+    assert rows(unfinished, unfinished.parent / "out", workers=2, scheduler="local") == undisturbed
 
 
 @pytest.mark.nightly
 def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
-    made: Path, tmp_path: Path
+    small_study: Path, tmp_path: Path
 ) -> None:
     log = tmp_path / "log.jsonl"
     words = ["--out", str(tmp_path / "out"), "--scheduler", "local", "--workers", "1", "--log", str(log)]
     run = subprocess.Popen(
-        [sys.executable, "-m", "fingerpad", "run", str(made), *words],
+        [sys.executable, "-m", "fingerpad", "run", str(small_study), *words],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,

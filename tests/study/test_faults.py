@@ -12,7 +12,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from tests.study.small_study import FRAMES, PICTURES, PIECE, copy, copy_unfinished, run_here
+from tests.study.small_study import FRAMES, PICTURES, copy_unfinished, run_here
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.runner import Progress
@@ -25,32 +25,6 @@ from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 ITEMS = PICTURES + 3  # two photographs and a sequence
-
-
-@pytest.fixture
-def manifest(small_study: Path, tmp_path: Path) -> Path:
-    return copy(small_study, tmp_path / "study")
-
-
-@pytest.fixture
-def finished(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study with the results of a run in ``out``."""
-    return copy(small_run, tmp_path / "study")
-
-
-@pytest.fixture
-def unfinished(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study whose run had yet to measure the pictures and the sequence."""
-    return copy_unfinished(small_run, tmp_path / "study", "o", "p")
-
-
-@pytest.fixture(scope="module")
-def undisturbed(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    """Rows of a run that nothing disturbed, which measured the sequence in pieces."""
-    finished = copy(small_run, tmp_path_factory.mktemp("undisturbed") / "study")
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(sequences, "_LEAST_PIECE", PIECE)
-        return rows(finished, finished.parent / "out")
 
 
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
@@ -117,17 +91,15 @@ def replaced(path: Path, other: bytes) -> None:
 
 
 CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
-    "replaced": (1, "o4.png", lambda path: replaced(path, (path.parent / "o1.png").read_bytes())),
+    "replaced": (1, "o4.png", lambda path: replaced(path, path.with_name("o1.png").read_bytes())),
     "truncated": (2, "o3.png", lambda path: path.write_bytes(path.read_bytes()[:500])),
-    "deleted": (1, "o2.png", lambda path: path.unlink()),
+    "deleted": (1, "o2.png", Path.unlink),
     "a frame replaced": (
-        2,
-        "frames/f12.png",
-        lambda path: replaced(path, (path.parent / "f2.png").read_bytes()),
+        2, "frames/f12.png", lambda path: replaced(path, path.with_name("f2.png").read_bytes()),
     ),
-    "a frame deleted": (1, "frames/f12.png", lambda path: path.unlink()),
+    "a frame deleted": (1, "frames/f12.png", Path.unlink),
     "a photograph replaced": (2, "palmar.jpg", lambda path: replaced(path, b"no picture")),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

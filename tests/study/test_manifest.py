@@ -1,6 +1,5 @@
 """The manifest: what is accepted, and what is said of each fault before any work."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,6 @@ from tests.studies import Table, curve, finger, picture, study_of
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.editing.template import write_example, write_template
 from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.manifest.models import ResolutionScale
 from fingerpad.study.manifest.sheet import Sheet
@@ -39,79 +37,42 @@ force = "force.csv"
 VALID = 'title = "T"\n' + FINGER + ROW
 
 
+BESIDE = 'title = "T"\nobservations_csv = "rows.csv"\n' + FINGER  # observations stand in a spreadsheet
+HEADER = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
+CELLS = "b,index,45,2,5,4,.1"
+
+
 def write(folder: Path, text: str) -> Path:
     path = folder / "study.toml"
     path.write_text(text, encoding="utf-8")
     return path
 
 
+def beside(folder: Path, *lines: str, encoding: str = "utf-8") -> Path:
+    """Write a study whose observations stand in a spreadsheet of these lines; return its manifest."""
+    (folder / "rows.csv").write_text("".join(f"{line}\n" for line in lines), encoding=encoding)
+    return write(folder, BESIDE)
+
+
 def test_a_complete_row_of_a_spreadsheet_is_kept_once(tmp_path: Path) -> None:
-    rows = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std\n"
-    rows += "a,index,30,2,7.4,5,0.1\nb,index,30,,7.4,5,0.1\n"
-    (tmp_path / "rows.csv").write_text(rows)
-    loaded = load_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"\n' + FINGER))
+    loaded = load_study(beside(tmp_path, HEADER, "a,index,30,2,7.4,5,0.1", "b,index,30,,7.4,5,0.1"))
     complete, lacking = (one for one in loaded.tables if one.kind == "observation")
     assert (complete.content, complete.model) == ({}, loaded.study.observations[0])
     assert lacking.content["wedge_angle_deg"] == "30"
 
 
-def test_template_is_a_valid_study(tmp_path: Path) -> None:
-    study = read_study(write_template(tmp_path / "new"))
-    (observation,) = study.observations
-    assert observation.ellipse_mm.semi_major >= observation.ellipse_mm.semi_minor > 0
-    assert [observation.finger] == [finger.name for finger in study.fingers]
-
-
-def test_template_overwrites_nothing(tmp_path: Path) -> None:
-    write(tmp_path, "title = 'mine'")
-    with pytest.raises(ManifestError, match=r"study\.toml: is there already"):
-        write_template(tmp_path)
-    assert (tmp_path / "study.toml").read_text() == "title = 'mine'"
-    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
-    with pytest.raises(ManifestError, match="the folder is not empty"):
-        write_example(tmp_path)
-
-
-def test_template_goes_beside_pictures(tmp_path: Path) -> None:
-    (tmp_path / "IMG_1.jpg").write_bytes(b"mine")
-    assert read_study(write_template(tmp_path)).title
-    assert (tmp_path / "IMG_1.jpg").read_bytes() == b"mine"
-
-
-def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> None:
-    path = write_template(tmp_path / "new")
-    lines = path.read_text(encoding="utf-8").splitlines()
-    opened = [
-        line[2:] if re.match(r"# (\[|\]|    \{|(?!observations_csv)\w+ = )", line) else line for line in lines
-    ]
-    path.write_text("\n".join(opened), encoding="utf-8")
-    for name in (
-        *("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"),
-        *("sequences/index_30deg", "sequences/index_30deg_force.csv", "photographs/one_euro.jpg"),
-        "photographs/board.png",
-        *(f"outlines/right_index_{face}.csv" for face in ("palmar", "distal", "radial")),
-        *(f"photographs/{face}.jpg" for face in ("palmar", "distal", "radial")),
-    ):
-        (path.parent / name).parent.mkdir(exist_ok=True)
-        (path.parent / name).touch()
-    study = read_study(path)
-    assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
-    assert study.observations[1].seed_px == [250, 200]
-    assert list(study.scales) == ["reader", "camera", "ruler", "coin", "rim", "board"]
-    assert study.sequences[0].contact_load_N == 0.02
-
-
-def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
-    (tmp_path / "rows.csv").write_text(
-        "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std,synthetic\n"
-        "b,index,45,0.5,5.3,4.2,0.1,true\n"
-        "c,index,45,1,5.3,4.2,0.1,\n",
-        encoding="utf-8-sig",
+def test_rows_may_come_from_a_spreadsheet_besides(tmp_path: Path) -> None:
+    path = beside(
+        tmp_path, f"{HEADER},synthetic", f"{CELLS},true", f"{CELLS.replace('b', 'c')},", encoding="utf-8-sig"
     )
-    study = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"\n' + FINGER + ROW))
-    assert [row.name for row in study.observations] == ["a", "b", "c"]
-    assert [row.synthetic for row in study.observations] == [False, True, False]
-    assert study.observations[1].ellipse_mm.semi_minor == 4.2
+    path.write_text(BESIDE + ROW)
+    study = read_study(path)
+    assert [(row.name, row.synthetic) for row in study.observations] == [
+        ("a", False),
+        ("b", True),
+        ("c", False),
+    ]
+    assert study.observations[1].ellipse_mm.semi_minor == 4
 
 
 def changed(old: str, new: str) -> str:
@@ -124,6 +85,15 @@ def image(keys: str) -> str:
 
 def scale(keys: str) -> str:
     return f"{VALID}[scales.s]\n{keys}"
+
+
+def pad(*keys: str) -> str:
+    """Return a finger with photographs."""
+    photographs = ", ".join(f"{{ {one} }}" for one in keys)
+    return f'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{photographs}]'
+
+
+SAME_FILE = 'file = "study.toml", scale = { ppi = 90 }'
 
 
 def press(keys: str) -> str:
@@ -149,14 +119,19 @@ def press(keys: str) -> str:
             r"observations\[1\].name: 'A' is taken; names must differ by more than case",
         ),
         (image('file = "a\\u0000.png"\nscale = { ppi = 500 }'), "is no file name"),
+        (pad('face = "palmar", file = "a.png"'), "photographs.0.: an image needs its scale"),
         (
-            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", file = "a.png" }]',
-            "photographs.0.: an image needs its scale",
+            pad('face = "palmar", outline = "a.csv", tip = "up", scale = { ppi = 500 }'),
+            "beside an outline there is no use for tip",
         ),
         (
-            'title = "T"\n[[fingers]]\nname = "f"\n'
-            'photographs = [{ face = "palmar", outline = "a.csv", tip = "up", scale = { ppi = 500 } }]',
-            "beside an outline there is no use for tip",
+            pad(
+                *(
+                    f'face = "{face}", file = "study.toml", scale = {{ ppi = 9 }}'
+                    for face in ("palmar", "distal")
+                )
+            ),
+            r"fingers\[0\]: the photograph study.toml is named 2 times: copy",
         ),
         (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
@@ -194,6 +169,7 @@ def press(keys: str) -> str:
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
         ),
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
+        (changed("= 2\n", "= -2\n").replace("7.9", "-1"), "-2(.|\n)*found -1|-1(.|\n)*found -2"),
         (press('times = "t.csv"\nframes_per_second = 9'), "no use for frames_per_second"),
         (press("start_s = 1\ncontact_load_N = 1"), "give either start_s or contact"),
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
@@ -203,10 +179,6 @@ def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message
     with pytest.raises(ManifestError, match=f"(?m){message}") as caught:
         read_study(write(tmp_path, text))
     assert all(line.startswith(("study.toml: ", str(tmp_path))) for line in str(caught.value).splitlines())
-
-
-HEADER = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
-CELLS = "b,index,45,2,5,4,.1"
 
 
 @pytest.mark.parametrize(
@@ -232,62 +204,44 @@ CELLS = "b,index,45,2,5,4,.1"
     ],
 )
 def test_names_the_line_of_a_spreadsheet(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "rows.csv").write_text(text)
     with pytest.raises(ManifestError, match=message):
-        read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER))
+        read_study(beside(tmp_path, text))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252"])
 def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, encoding: str) -> None:
-    (tmp_path / "rows.csv").write_text(
-        "Name;Finger;Wedge angle (deg);Load [N];Semi major (mm);semi_minor_mm;ellipse_mm_std;notes\n"
-        "b;index;22,5;0,5;5,3;4;0,1;größer, als 1,5 N\n",
-        encoding=encoding,
-    )
-    (row,) = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
+    header = "Name;Finger;Wedge angle (deg);Load [N];Semi major (mm);semi_minor_mm;ellipse_mm_std;notes"
+    cells = "b;index;22,5;0,5;5,3;4;0,1;größer, als 1,5 N"
+    (row,) = read_study(beside(tmp_path, header, cells, encoding=encoding)).observations
     assert (row.wedge_angle_deg, row.load_N, row.ellipse_mm.semi_major) == (22.5, 0.5, 5.3)
     assert row.notes == "größer, als 1,5 N"
 
 
 def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path: Path) -> None:
     head = "name;finger;wedge_angle_deg;Load (mN);semi_major_mm;semi_minor_mm;ellipse_mm_std"
-    path = tmp_path / "rows.csv"
-    path.write_text(f"{head}\nb;index;45;300;5,3;4;0,1\nc;index;45;1500,5;5,3;4;0,1\n")
-    rows = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
-    assert [row.load_N for row in rows] == [0.3, 1.5005]
-    sheet = Sheet.parse("rows.csv", path.read_bytes())
+    cells = "b;index;45;300;5,3;4;0,1"
+    path = beside(tmp_path, head, cells, "c;index;45;1500,5;5,3;4;0,1")
+    assert [row.load_N for row in read_study(path).observations] == [0.3, 1.5005]
+    sheet = Sheet.parse("rows.csv", path.with_name("rows.csv").read_bytes())
     sheet.change("b", {"load_N": 0.2504})
     assert "b;index;45;250,4;5,3" in sheet.text()
-    path.write_text(f"{head}\nb;index;45;much;5,3;4;0,1\n")
     with pytest.raises(ManifestError, match=r"rows.csv, line 2: load_N.*'much'"):
-        read_study(tmp_path / "study.toml")
+        read_study(beside(tmp_path, head, cells.replace("300", "much")))
 
 
 def test_a_workbook_of_observations_is_refused_since_its_rows_are_edited(tmp_path: Path) -> None:
     (tmp_path / "rows.xlsx").write_bytes(workbook(sheet_xml([HEADER.split(","), CELLS.split(",")])))
     with pytest.raises(ManifestError, match="rows.xlsx: is no CSV, the rows of which can be edited: save it"):
-        read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.xlsx"' + FINGER))
+        read_study(write(tmp_path, BESIDE.replace("rows.csv", "rows.xlsx")))
 
 
 def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
-    (tmp_path / "rows.csv").write_text(
-        f'{HEADER},file,ppi,seed_px,,\n{CELLS},,,,,\n,,,,,,,,,,\nc,index,45,2,,,,rows.csv,500,"250, 200"\n'
-    )
-    study = read_study(write(tmp_path, '\ufefftitle = "T"\nobservations_csv = "rows.csv"' + FINGER))
+    last = 'c,index,45,2,,,,rows.csv,500,"250, 200"'
+    path = beside(tmp_path, f"{HEADER},file,ppi,seed_px,,", f"{CELLS},,,,,", ",,,,,,,,,,", last)
+    study = read_study(write(path.parent, "\ufeff" + BESIDE))
     assert [row.name for row in study.observations] == ["b", "c"]
     assert study.observations[1].seed_px == [250, 200]
     assert study.observations[1].scale == ResolutionScale(ppi=500)
-
-
-def test_a_photograph_shows_one_face(tmp_path: Path) -> None:
-    (tmp_path / "a.jpg").touch()
-    faces = "\n".join(
-        f'[[fingers.photographs]]\nface = "{face}"\nfile = "a.jpg"\nscale = {{ mm_per_px = 0.1 }}'
-        for face in ("palmar", "distal")
-    )
-    path = write(tmp_path, f'title = "T"\n[[fingers]]\nname = "g"\n{faces}\n')
-    with pytest.raises(ManifestError, match=r"fingers\[0\]: the photograph a.jpg is named 2 times: copy"):
-        read_study(path)
 
 
 @pytest.mark.parametrize("make", [lambda p: None, lambda p: p.write_bytes(b"\xff\xff")])
@@ -296,13 +250,6 @@ def test_manifests_that_cannot_be_read(tmp_path: Path, make: Any) -> None:
     make(path)
     with pytest.raises(ManifestError, match="study.toml: (no such file|cannot be read)"):
         read_study(path)
-
-
-def test_says_every_fault_at_once(tmp_path: Path) -> None:
-    text = VALID.replace("= 2\n", "= -2\n").replace("7.9", "-1")
-    with pytest.raises(ManifestError) as caught:
-        read_study(write(tmp_path, text))
-    assert len(str(caught.value).splitlines()) == 2
 
 
 LINE = {"line": [[0, 0], [0, 9]], "length_mm": 1, "ends_px_std": 1}

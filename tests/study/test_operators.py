@@ -4,14 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.studies import correct, rows_of, summary_of
-from tests.study.small_study import PPI, copy
+from tests.studies import correct, rows_by, rows_of, summary_of
+from tests.study.small_study import PPI
 
 from fingerpad.report import write_report
 from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.table import records
 from fingerpad.study.status import verify_study
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -22,24 +21,18 @@ def ellipse(major: float, minor: float, centre: tuple[float, float] = (60, 60)) 
     return {"ellipse_px": {"centre": [*centre], "semi_axes": [major, minor], "orientation_deg": 0}}
 
 
-@pytest.fixture
-def manifest(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study with the results of a run in ``out``."""
-    return copy(small_run, tmp_path / "study")
-
-
 def second(manifest: Path, item: str, change: dict, who: str = "bob") -> None:
     correct(manifest.parent, item, change, who=who, name=SECOND_OPERATOR_NAME)
 
 
-def test_two_persons_outlines_are_compared(manifest: Path) -> None:
+def test_two_persons_outlines_are_compared(finished: Path) -> None:
     for k in range(3):
-        correct(manifest.parent, f"o{k}", ellipse(40, 30))
-    second(manifest, "o0", ellipse(44, 30))
-    second(manifest, "o1", ellipse(40, 30))
-    second(manifest, "o2", ellipse(40, 27, centre=(60, 62)))
-    out = manifest.parent / "out"
-    result = run_study(manifest, out, write_report=write_report)
+        correct(finished.parent, f"o{k}", ellipse(40, 30))
+    second(finished, "o0", ellipse(44, 30))
+    second(finished, "o1", ellipse(40, 30))
+    second(finished, "o2", ellipse(40, 27, centre=(60, 62)))
+    out = finished.parent / "out"
+    result = run_study(finished, out, write_report=write_report)
     (found,) = result.operators
     assert (found.synthetic, found.count) == (True, 3)
     assert (found.first_operators, found.second_operators) == (["anna"], ["bob"])
@@ -53,8 +46,7 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     assert ious["o1"] == 1
     assert 0.8 < ious["o2"] < 0.9
     # The first operator's outlines are the results.
-    row = next(row for row in records(result.rows) if row["observation"] == "o0")
-    assert row["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
+    assert rows_by(result)["o0"]["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
     lines = rows_of(out / "second_operator.csv")
     assert float(lines[0]["second_semi_major_mm"]) == pytest.approx(44 * MM, rel=1e-3)
     summary = summary_of(out)["second_operator"]
@@ -63,25 +55,25 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     assert "Second operator" in report
     assert f"{100 * area.bias:+.1f} %" in report
     assert (out / "figures" / "second_operator_synthetic.svg").is_file()
-    verified = verify_study(manifest, out)
+    verified = verify_study(finished, out)
     assert not verified.faults
     assert SECOND_OPERATOR_NAME in verified.intact
 
 
-def test_what_is_no_second_opinion_is_left_out(manifest: Path) -> None:
-    correct(manifest.parent, "o0", ellipse(40, 30))
-    second(manifest, "o0", ellipse(41, 30), "anna")  # the same person
-    correct(manifest.parent, "o1", {"rejected": "smeared"})
-    second(manifest, "o1", ellipse(41, 30))
-    second(manifest, "o2", ellipse(41, 30))  # the first has not looked at it
-    correct(manifest.parent, "o3", {"accepted": True})
-    second(manifest, "o3", {"rejected": "smeared"})
-    result = run_study(manifest, manifest.parent / "out")
+def test_what_is_no_second_opinion_is_left_out(finished: Path) -> None:
+    correct(finished.parent, "o0", ellipse(40, 30))
+    second(finished, "o0", ellipse(41, 30), "anna")  # the same person
+    correct(finished.parent, "o1", {"rejected": "smeared"})
+    second(finished, "o1", ellipse(41, 30))
+    second(finished, "o2", ellipse(41, 30))  # the first has not looked at it
+    correct(finished.parent, "o3", {"accepted": True})
+    second(finished, "o3", {"rejected": "smeared"})
+    result = run_study(finished, finished.parent / "out")
     assert result.operator_pairs == []
-    assert not (manifest.parent / "out" / "second_operator.csv").exists()
+    assert not (finished.parent / "out" / "second_operator.csv").exists()
     # What the first accepted as the program measured it counts.
-    second(manifest, "o3", ellipse(41, 30))
-    (pair,) = run_study(manifest, manifest.parent / "out").operator_pairs
+    second(finished, "o3", ellipse(41, 30))
+    (pair,) = run_study(finished, finished.parent / "out").operator_pairs
     assert (pair.observation, pair.first_operator) == ("o3", "anna")
 
 

@@ -12,9 +12,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
-from tests.studies import Table, contact, finger, sequence, write_study
+from tests.studies import (
+    Table,
+    contact,
+    correct,
+    finger,
+    page_of,
+    rows_by,
+    sequence,
+    write_numbers,
+    write_study,
+)
 
-from fingerpad.exceptions import StoreError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
 from fingerpad.report.text import doubtful_results, fingers_without_results
@@ -31,7 +40,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import first_record, records
+from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
 RATE = 20
@@ -58,9 +67,14 @@ def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory
     (folder / "frames").mkdir()
     for k in range(LOAD.size):
         Image.fromarray(press.pixels(k)).save(folder / "frames" / f"f{k}.png")
-    rows = "\n".join(f"{k / RATE},{load}" for k, load in enumerate(LOAD))
-    (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    write_force(folder)
     return folder
+
+
+def write_force(folder: Path, load: np.ndarray = LOAD, *, since: int = 0, **columns: np.ndarray) -> None:
+    """Write the force table, of some frames and with other columns."""
+    every = {"time_s": np.arange(load.size) / RATE, "force_N": load, **columns}
+    write_numbers(folder / "force.csv", ",".join(every), np.transpose([*every.values()])[since:])
 
 
 @pytest.fixture(scope="module")
@@ -83,21 +97,16 @@ def run(
 
 
 def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSequence) -> None:
-    result = plain
-    frames = [row["frame"] for row in records(result.rows)]
-    assert set(range(4, 24)) <= set(frames) <= set(range(3, 25))
-    for row in records(result.rows):
-        k = row["frame"]
+    rows = rows_by(plain, "frame")
+    assert set(range(4, 24)) <= set(rows) <= set(range(3, 25))
+    for k, row in rows.items():
         assert (row["observation"], row["sequence"], row["status"]) == (f"p#{k}", "p", "measured")
         assert row["scale"] == "sequence:p"
-        assert row["time_s"] == pytest.approx(k / RATE)
-        assert row["load_N"] == pytest.approx(LOAD[k])
+        assert (row["time_s"], row["load_N"]) == pytest.approx((k / RATE, LOAD[k]))
         assert abs(row["semi_major_mm"] - press.semi_major[k]) < 3.5 * row["semi_major_mm_std"]
-    phases = {row["frame"]: row["phase"] for row in records(result.rows)}
-    assert {phases[k] for k in range(5, 10)} == {"loading"}
-    assert {phases[k] for k in (12, 13, 14)} == {"hold"}
-    assert {phases[k] for k in range(17, 24)} == {"unloading"}
-    assert_allclose([row["reduced_modulus_kpa"] for row in records(result.rows[3:-3])], 90, rtol=0.06)
+    for phase, frames in (("loading", range(5, 10)), ("hold", range(12, 15)), ("unloading", range(17, 24))):
+        assert {rows[k]["phase"] for k in frames} == {phase}
+    assert_allclose([row["reduced_modulus_kpa"] for row in records(plain.rows[3:-3])], 90, rtol=0.06)
 
 
 def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain: StudyResult) -> None:
@@ -128,8 +137,7 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
 
 
 def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) -> None:
-    rows = "\n".join(f"{k / RATE},{load - 0.3:.6f}" for k, load in enumerate(LOAD))
-    (study_dir / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    write_force(study_dir, LOAD - 0.3)
     write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY | {"load_relative_std": 0.01})
     found = list(records(run_study(study_dir / "study.toml", study_dir / "out").rows))
     failed = [row for row in found if row["load_N"] <= 0]
@@ -150,8 +158,7 @@ def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir: P
         assert row["load_N"] == pytest.approx(LOAD[kept[row["frame"]]])
     skipped = "file names skip 3 frames between f6.png and f10.png: times follow the numbers"
     assert result.sequences[0].summary.notes == (skipped,)
-    times = "\n".join(f"{k / RATE}" for k in kept)
-    (study_dir / "times.csv").write_text(f"time_s\n{times}\n")
+    write_numbers(study_dir / "times.csv", "time_s", np.array(kept) / RATE)
     timed = run(study_dir, of_frames(frames_per_second=None, times="times.csv"))
     assert_allclose(timed.rows["load_N"], result.rows["load_N"])
     assert not timed.sequences[0].summary.notes
@@ -205,47 +212,42 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Pa
     assert (out / "report.html").exists()
 
 
+def torn_header(folder: Path) -> None:
+    (folder / "force.csv").write_text("t,F\n1,2\n")
+
+
+def no_frames(folder: Path) -> None:
+    for frame in (folder / "frames").iterdir():
+        frame.unlink()
+
+
 @pytest.mark.parametrize(
-    ("keys", "make", "reason"),
+    ("keys", "change", "reason"),
     [
         (
             {"frames_per_second": None},
-            lambda folder: None,
-            "frames: pictures state no rate: give frames_per_second, or times",
+            None,
+            "frames: pictures state no rate: give frames_per_second",
         ),
-        (
-            {},
-            lambda folder: (folder / "force.csv").write_text("t,F\n1,2\n"),
-            "force.csv: no column time_s or force_N",
-        ),
-        (
-            {"force_columns": {"trigger": "TTL:V"}},
-            lambda folder: (folder / "force.csv").write_text("Time (s),F (mN),TTL\n1,2,0\n2,3,5\n"),
-            'force_columns = { trigger = "TTL:V", force = "F (mN):mN" }',
-        ),
-        (
-            {},
-            lambda folder: [f.unlink() for f in (folder / "frames").iterdir()],
-            "frames: holds no picture",
-        ),
-        ({"contact_load_N": 9}, lambda folder: None, "the force never rises through 9 N"),
-        ({"region_of_interest_px": [900, 0, 990, 90]}, lambda folder: None, "region_of_interest"),
+        ({}, torn_header, "force.csv: no column time_s or force_N"),
+        ({}, no_frames, "frames: holds no picture"),
+        ({"contact_load_N": 9}, None, "the force never rises through 9 N"),
+        ({"region_of_interest_px": [900, 0, 990, 90]}, None, "region_of_interest"),
     ],
 )
 def test_a_sequence_that_cannot_be_used_costs_itself_only(
-    study_dir: Path, keys: dict[str, object], make, reason: str
+    study_dir: Path, keys: dict[str, object], change: Callable[[Path], None] | None, reason: str
 ) -> None:
-    make(study_dir)
+    if change:
+        change(study_dir)
     reported: list[Progress] = []
     result = run(study_dir, of_frames(**keys), contact(load=1, axis=""), on_progress=reported.append)
-    assert [row["status"] for row in records(result.rows)] == ["measured", "failed"]
+    given, lost = records(result.rows)
+    assert (given["status"], lost["status"], lost["observation"]) == ("measured", "failed", "p")
     assert (reported[-1].pictures, reported[-1].failed) == (reported[-1].total, 1)
-    assert reason in list(records(result.rows))[1]["reason"]
-    assert "#" not in list(records(result.rows))[1]["observation"]
+    assert reason in lost["reason"]
     if "frames_per_second" in keys:
-        assert "It could not be measured" in write_report(result, study_dir / "out").read_text(
-            encoding="utf-8"
-        )
+        assert "It could not be measured" in page_of(result, study_dir / "out")
 
 
 def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
@@ -257,28 +259,28 @@ def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
     assert "loads up to 2000 N: is the force in millinewtons (force_mN)?" in result.sequences[0].summary.notes
 
 
-@pytest.mark.parametrize("task", ["p header", "p frames 0-28"])
-def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: StudyResult, task: str) -> None:
+@pytest.mark.parametrize(
+    ("task", "change", "named"),
+    [
+        ("p header", "UPDATE result SET seconds = -1", "p header"),
+        ("p frames 0-28", "UPDATE result SET seconds = -1", "p frames 0-28"),
+        ("p frames 0-28", "DELETE FROM result", "p"),
+    ],
+)
+def test_a_part_that_is_damaged_or_lost_is_measured_again_and_named(
+    study_dir: Path, plain: StudyResult, task: str, change: str, named: str
+) -> None:
     with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
-        changed = connection.execute("UPDATE result SET seconds = -1 WHERE task = ?", (task,))
-        assert changed.rowcount == 1
+        assert connection.execute(f"{change} WHERE task = ?", (task,)).rowcount == 1
     result = run(study_dir)
-    assert list(records(result.rows)) == list(records(plain.rows))
-    assert result.notes == (f"{STORE_NAME}: the stored result of {task} was damaged and is measured again",)
-
-
-def test_a_part_that_the_store_has_lost_is_measured_again(study_dir: Path, plain: StudyResult) -> None:
-    with Store.writing(study_dir / "out" / STORE_NAME) as store:
-        store.discard(["p frames 0-28"])
-    result = run(study_dir)
-    assert list(records(result.rows)) == list(records(plain.rows))
-    assert result.notes == (f"{STORE_NAME}: the stored result of p was damaged and is measured again",)
+    assert rows_by(result) == rows_by(plain)
+    assert result.notes == (f"{STORE_NAME}: the stored result of {named} was damaged and is measured again",)
 
 
 def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:
     rows, columns = press.pixels(0).shape
     result = run(study_dir, of_frames(region_of_interest_px=[0, 0, rows // 2, columns]))
-    frame = next(row for row in records(result.rows) if row["frame"] == 12)
+    frame = rows_by(result, "frame")[12]
     assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
     assert not any(row["pooled"] for row in records(result.rows))
@@ -286,18 +288,14 @@ def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence
 
 
 def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouched: Path) -> None:
-    result, out = plain, untouched / "out"
-    text = write_report(result, out).read_text(encoding="utf-8")
+    text = page_of(plain, untouched / "out")
     assert "<td>p#" not in text
     assert text.count("p#") < 8  # drawn and looked at closely, not listed
     assert text.count("data:image/jpeg;base64,") == 3
-    assert [overlay.role for overlay in result.sequences[0].overlays] == [
-        "first contact",
-        "largest load",
-        "last contact",
-    ]
-    assert LOAD[result.sequences[0].overlays[1].frame] == 2
-    (record,) = summary_of(result).model_dump()["sequences"]
+    roles = {overlay.role: overlay.frame for overlay in plain.sequences[0].overlays}
+    assert list(roles) == ["first contact", "largest load", "last contact"]
+    assert LOAD[roles["largest load"]] == 2
+    (record,) = summary_of(plain).model_dump()["sequences"]
     assert record["frames"] == LOAD.size
     assert record["frames_with_contact"] + record["frames_without_contact"] == LOAD.size
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
@@ -308,8 +306,7 @@ def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) 
     # Each frame three times: kept pictures would add a thousand times what a row takes.
     peaks = []
     for copies in (1, 3):
-        lines = [f"{k / RATE},{LOAD[k // copies]}" for k in range(LOAD.size * copies)]
-        (study_dir / "force.csv").write_text("time_s,force_N\n" + "\n".join(lines) + "\n")
+        write_force(study_dir, LOAD.repeat(copies))
         if copies > 1:
             for k in reversed(range(LOAD.size)):
                 picture = (study_dir / "frames" / f"f{k}.png").read_bytes()
@@ -326,30 +323,26 @@ def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) 
     assert (after - before) / (many - few) < press.pixels(0).size / 2
 
 
-def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
+def key_frame(press: SyntheticSequence, frame: int) -> dict:
     """The true ellipse of a frame as a person would place it."""
     size = 25.4 / press.ppi
     ellipse = {
         "centre": [(length - 1) / 2 for length in press.pixels(frame).shape],
         "semi_axes": [press.semi_major[frame] / size, press.semi_minor[frame] / size],
     }
-    return {"ellipse_px": ellipse, "key_frame": True, **more}
+    return {"ellipse_px": ellipse, "key_frame": True}
 
 
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     study_dir: Path, plain: StudyResult, press: SyntheticSequence
 ) -> None:
-    assert first_record(run(study_dir).rows)["measured_by"] == "automatic"
-    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
-    for frame, change in {
-        5: key_frame(press, 5),
-        8: {"rejected": "slipped"},
-        11: key_frame(press, 11),
-        14: {**key_frame(press, 14), "key_frame": False},
-    }.items():
-        log.append(f"p#{frame}", change, who="anna", expected=0, study=study)
-    rows = {row["frame"]: row for row in records(run(study_dir).rows)}
-    before = {row["frame"]: row for row in records(plain.rows)}
+    run(study_dir)
+    correct(study_dir, "p#5", key_frame(press, 5))
+    correct(study_dir, "p#8", {"rejected": "slipped"})
+    correct(study_dir, "p#11", key_frame(press, 11))
+    correct(study_dir, "p#14", {**key_frame(press, 14), "key_frame": False})
+    rows, before = rows_by(run(study_dir), "frame"), rows_by(plain, "frame")
+    assert before[5]["measured_by"] == "automatic"
     for frame in (6, 7, 9, 10):
         row = rows[frame]
         assert "interpolated" in row["flags"]
@@ -366,9 +359,8 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     for frame in (4, 12, 13, 15):  # beyond the key frames, and up to a frame that is none
         assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
     # Without its second key frame nothing is carried.
-    log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
-    after = {row["frame"]: row for row in records(run(study_dir).rows)}
-    assert after[9] == before[9]
+    correct(study_dir, "p#11", {})
+    assert rows_by(run(study_dir), "frame")[9] == before[9]
 
 
 def test_a_range_of_frames_takes_its_ellipses_and_no_others() -> None:
@@ -399,14 +391,6 @@ def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
     turned = interpolated_ellipse(one, ImageEllipse(centre=(0, 0), semi_axes=(40, 40)), 0.25)
     assert_allclose(turned.semi_axes, (47.5, 32.5))
     assert np.degrees(turned.orientation) == pytest.approx(80)
-
-
-def test_a_key_frame_needs_an_ellipse(study_dir: Path) -> None:
-    run(study_dir)
-    with pytest.raises(StoreError, match="give ellipse_px"):
-        CorrectionLog(study_dir).append(
-            "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(study_dir / "study.toml")
-        )
 
 
 def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir: Path) -> None:
@@ -454,53 +438,47 @@ def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
 
 def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path, plain: StudyResult) -> None:
     run(study_dir)
-    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
-    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
-    result = run(study_dir)
-    rows = {row["frame"]: row for row in records(result.rows)}
+    correct(study_dir, "p#phases", phases(*PHASES))
+    log, result = CorrectionLog(study_dir), run(study_dir)
+    rows, before = rows_by(result, "frame"), rows_by(plain, "frame")
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
         assert {rows[k]["phase"] for k in frames} == {names}
+    assert 23 in before
     assert 23 not in rows
-    assert 23 in {row["frame"] for row in records(plain.rows)}
     assert {row["phase_corrected_by"] for row in rows.values()} == {"anna"}
-    assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
-    assert max(row["frame"] for row in records(plain.rows) if row["pooled"]) == 11
+    assert max(frame for frame, row in rows.items() if row["pooled"]) == 9
+    assert max(frame for frame, row in before.items() if row["pooled"]) == 11
     (record,) = summary_of(result).model_dump()["sequences"]
     assert list(map(list, record["phase_starts_s"])) == [list(one) for one in PHASES]
     assert (record["phases_corrected_by"], record["phases_reason"]) == ("anna", "slipped at first")
     assert record["phases_corrected_at"] == log.history("p#phases").records[0].when
     assert record["phases"]["hold"] == 9
-    text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
+    text = page_of(result, study_dir / "out")
     assert "phases set manually by anna" in text
     assert "hold from 0.475 s" in text
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(study_dir)
-    assert list(records(after.rows)) == list(records(plain.rows))
+    assert rows_by(after, "frame") == before
     assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
-    assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
-        "unless set manually", ""
-    )
+    assert "phases set manually" not in page_of(after, study_dir / "out")
 
 
 def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
     run(study_dir)
-    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
-    with Store.reading(study_dir / "out" / STORE_NAME) as store:
-        before = {name: status.key for name, status in store.statuses().items()}
-    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
-    assert study_status(study_dir / "study.toml", study_dir / "out").stale == 1
+    manifest, out = study_dir / "study.toml", study_dir / "out"
+
+    def stored_keys() -> set[tuple[str, str]]:
+        with Store.reading(out / STORE_NAME) as store:
+            return {(name, status.key) for name, status in store.statuses().items()}
+
+    before = stored_keys()
+    correct(study_dir, "p#phases", phases(*PHASES))
+    assert study_status(manifest, out).stale == 1
     run(study_dir)
-    with Store.reading(study_dir / "out" / STORE_NAME) as store:
-        after = {name: status.key for name, status in store.statuses().items()}
-    assert {name for name in before if before[name] != after[name]} == {"p"}
-    assert study_status(study_dir / "study.toml", study_dir / "out").stale == 0
-
-
-def write_force(folder: Path, displacement: np.ndarray) -> None:
-    rows = "\n".join(f"{k / RATE},{LOAD[k]},{displacement[k]}" for k in range(LOAD.size))
-    (folder / "force.csv").write_text(f"time_s,force_N,displacement_mm\n{rows}\n")
+    assert {name for name, _ in before - stored_keys()} == {"p"}
+    assert study_status(manifest, out).stale == 0
 
 
 # The platen moves up to the pad, presses it by Hertz's law, and goes back.
@@ -509,22 +487,20 @@ AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 
 
 def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain: StudyResult) -> None:
-    write_force(study_dir, 7 + DEPTH + AWAY)
-    result = run(study_dir)
-    for row in records(result.rows):
-        assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
+    write_force(study_dir, displacement_mm=7 + DEPTH + AWAY)
+    result, out = run(study_dir), study_dir / "out"
+    for frame, row in rows_by(result, "frame").items():
+        assert row["measured_indentation_mm"] == pytest.approx(DEPTH[frame], abs=0.02)
     assert np.isnan(plain.rows["measured_indentation_mm"].to_numpy()).all()
-    text = html.unescape(write_report(result, study_dir / "out").read_text(encoding="utf-8"))
-    assert "against the platen's displacement from the place of contact" in text
-    assert "indentation ξ" in (study_dir / "out" / "figures" / "sequence_p_indentation.svg").read_text()
-    text = html.unescape(write_report(plain, study_dir / "out").read_text(encoding="utf-8"))
-    assert "platen's displacement" not in text
+    against = "against the platen's displacement from the place of contact"
+    assert against in html.unescape(page_of(result, out))
+    assert "indentation ξ" in (out / "figures" / "sequence_p_indentation.svg").read_text()
+    assert against not in html.unescape(page_of(plain, out))
 
 
 def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path, plain: StudyResult) -> None:
     # The record begins in contact.
-    lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
-    (study_dir / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
+    write_force(study_dir, since=4, displacement_mm=DEPTH + np.arange(LOAD.size) / 1e4)
     result = run(study_dir, of_frames(start_s=0))
     assert not result.rows["measured_indentation_mm"].notna().any()
     (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]

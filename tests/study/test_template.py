@@ -6,8 +6,11 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_example, write_template
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
@@ -21,6 +24,42 @@ def test_the_example_runs_and_its_truth_is_covered(run_example: Path, tmp_path: 
     (finger,) = result.fingers.values()
     stds = np.sqrt(np.diag(finger.covariance))
     assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
+
+
+def test_the_template_is_a_valid_study_beside_pictures(tmp_path: Path) -> None:
+    (tmp_path / "IMG_1.jpg").write_bytes(b"mine")
+    study = read_study(write_template(tmp_path))
+    (observation,) = study.observations
+    assert observation.ellipse_mm.semi_major >= observation.ellipse_mm.semi_minor > 0
+    assert [observation.finger] == [finger.name for finger in study.fingers]
+    assert (tmp_path / "IMG_1.jpg").read_bytes() == b"mine"
+
+
+def test_the_template_overwrites_nothing(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text("title = 'mine'")
+    with pytest.raises(ManifestError, match=r"study\.toml: is there already"):
+        write_template(tmp_path)
+    with pytest.raises(ManifestError, match="the folder is not empty"):
+        write_example(tmp_path)
+    assert (tmp_path / "study.toml").read_text() == "title = 'mine'"
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+
+
+def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> None:
+    path = write_template(tmp_path / "new")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    opened = [
+        line[2:] if re.match(r"# (\[|\]|    \{|(?!observations_csv)\w+ = )", line) else line for line in lines
+    ]
+    path.write_text("\n".join(opened), encoding="utf-8")
+    for name in re.findall(r'"([a-z]+/[\w.]+)"', path.read_text(encoding="utf-8")):
+        (path.parent / name).parent.mkdir(exist_ok=True)
+        (path.parent / name).touch()
+    study = read_study(path)
+    assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
+    assert study.observations[1].seed_px == [250, 200]
+    assert list(study.scales) == ["reader", "camera", "ruler", "coin", "rim", "board"]
+    assert study.sequences[0].contact_load_N == 0.02
 
 
 def test_the_manifest_names_its_schema(tmp_path: Path) -> None:
