@@ -125,12 +125,7 @@ def press(keys: str) -> str:
             "beside an outline there is no use for tip",
         ),
         (
-            pad(
-                *(
-                    f'face = "{face}", file = "study.toml", scale = {{ ppi = 9 }}'
-                    for face in ("palmar", "distal")
-                )
-            ),
+            pad(*(f'face = "{face}", {SAME_FILE}' for face in ("palmar", "distal"))),
             r"fingers\[0\]: the photograph study.toml is named 2 times: copy",
         ),
         (
