@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose as assert_close
 
+import fingerpad as fp
 from fingerpad.figures import (
     figure_svg,
     new_figure,
@@ -27,16 +28,19 @@ from fingerpad.figures import (
     plot_press,
     plot_relaxation,
     plot_secant_modulus,
+    plot_simulated_load,
     plot_wedge,
     plot_wedge_in_pad_axes,
     save_figure,
     svg,
 )
 from fingerpad.figures.compare import Series, plot_over_load
+from fingerpad.figures.marks import Band, Line, Points
 from fingerpad.figures.pad import Camera
 from fingerpad.figures.publish import figure_csv
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published import dzidek2017
+from fingerpad.simulator import simulator_law
 from fingerpad.uncertainty import agreement
 
 assert_allclose = partial(assert_close, rtol=1e-6, atol=1e-9)  # marks keep seven digits
@@ -461,3 +465,35 @@ def test_the_pad_is_framed_with_the_whole_contact() -> None:
     for low_high, column in ((axes.get_xlim(), points[:, 0]), (axes.get_ylim(), points[:, 1])):
         assert low_high[0] <= column.min()
         assert column.max() <= low_high[1]
+
+
+# The law over a loading curve: what is drawn, and the numbers behind it
+
+PLACE = fp.Placement(fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+
+
+def test_law_targets_and_points() -> None:
+    law = simulator_law(PLACE, fp.Tissue(0.05, thickness=8.0), stds={"youngs_modulus": 0.005})
+    figure, (panel,) = new_panels()
+    plot_simulated_load(
+        panel,
+        law.indentation,
+        law.load,
+        load_std=law.load_std,
+        simulated=law.simulated_loads(),
+        measured=([0.5, 1.0], [0.2, 0.7]),
+    )
+    kinds = [type(mark) for mark in panel.marks]
+    assert kinds == [Points, Band, Line, Line, Line, Line]
+    assert [mark.label for mark in panel.marks[2:]] == ["law of the pad", "Newton kh", "Drake", "MuJoCo"]
+    assert "measured,0.5,0.2" in figure_csv(figure)
+
+
+@pytest.mark.parametrize("name", ["Newton kh", "Drake", "MuJoCo"])
+def test_simulated_loads_are_as_far_off_as_their_targets_say(name) -> None:
+    law = simulator_law(PLACE, fp.Tissue(0.05, thickness=8.0))
+    target = {"Newton kh": law.newton_kh(), "Drake": law.drake_modulus(), "MuJoCo": law.mujoco(0.1)}[name]
+    error = np.abs(law.simulated_loads()[name] / law.load - 1).max()
+    assert error == pytest.approx(target.worst_relative_error, rel=0.02)
+    paraboloid = simulator_law(fp.Paraboloid(12.0, 14.0), fp.Tissue(0.05, thickness=8.0), (0.2, 2.0))
+    assert "Drake" not in paraboloid.simulated_loads()

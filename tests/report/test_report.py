@@ -1,6 +1,7 @@
-"""The report: one file that needs nothing else, and says what it must."""
+"""The report: one file that needs nothing else, and says what it must; and its remarks in words."""
 
 import html
+import math
 import re
 import shutil
 from dataclasses import replace
@@ -12,12 +13,33 @@ import pytest
 from tests.studies import Table, contact, curve, finger, run
 
 from fingerpad._rounding import two_digits, value_with_uncertainty
-from fingerpad.report import write_report
-from fingerpad.report.text import moduli_apart, remedies, to_measure_better
+from fingerpad.figures import plot_load_indentation
+from fingerpad.figures.publish import plain_text
+from fingerpad.flags import FLAGS
+from fingerpad.image import FaceSemiAxes, combine_faces
+from fingerpad.loading import fit_loading_curve
+from fingerpad.report import loading, write_report
+from fingerpad.report.repeatability import borrowed
+from fingerpad.report.templates import signed_with_uncertainty, typeset
+from fingerpad.report.text import (
+    advice,
+    face_differences,
+    moduli_apart,
+    p_words,
+    phase_words,
+    pooling_words,
+    probability,
+    remedies,
+    to_measure_better,
+)
+from fingerpad.simulate import simulate_loading_curve
+from fingerpad.study.corrections.apply import ManualPhases
+from fingerpad.study.corrections.changes import PhaseCorrection
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import first_record, records
+from fingerpad.uncertainty.repeats import ContactRepeatability
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 VOID = {"meta", "img", "br", "link"}
@@ -274,3 +296,86 @@ def test_formulas_and_minus_signs_are_set_as_such(demo: tuple[StudyResult, str, 
     assert not re.findall(r"R_\w+|R₀g|\^\(", words)
     assert not re.findall(r"[ (]-\d", words)
     assert "(ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>" in text
+
+
+# Remarks of the report in words
+
+
+def test_a_flag_says_what_to_do() -> None:
+    assert advice(FLAGS["contact"]["cut_by_mask"]) == (
+        "The contact is cut by the mask or region of interest. To do: make the mask or region of interest "
+        "larger."
+    )
+
+
+def test_manual_phases_name_who_set_them_and_why() -> None:
+    starts = [{"phase": "loading", "start_s": 0.25}, {"phase": "hold", "start_s": 1}]
+    correction = PhaseCorrection(starts=starts, why="slipped at first")
+    assert phase_words(ManualPhases(correction, "Ada", "2026-05-04T10:00:00.000Z")) == (
+        "phases set manually by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)"
+    )
+
+
+def test_pooling_says_who_decided_and_what_speaks_against_it() -> None:
+    row = {"excluding_flags": "low_contrast", "pooling_corrected_by": None, "pooled": False}
+    flag = "the contact has little contrast with the background"
+    assert pooling_words(row) == flag
+    row |= {"pooled": True, "pooling_corrected_by": "Ada", "pooling_reason": "whole print"}
+    assert pooling_words(row) == f"included by Ada: whole print ({flag})"
+
+
+@pytest.mark.parametrize(
+    ("p_value", "words", "with_letter"),
+    [(0.04321, "0.043", "p = 0.043"), (1e-9, "< 0.001", "p < 0.001"), (math.nan, "–", "p = –")],
+)
+def test_probabilities(p_value, words, with_letter) -> None:
+    assert (probability(p_value), p_words(p_value)) == (words, with_letter)
+
+
+def test_differences_between_faces_in_percent() -> None:
+    seen = {"palmar": (11.8, 13.8), "radial": (7.9, 14.0)}
+    faces = [FaceSemiAxes(face=f, semi_axes=np.array(s), covariance=np.eye(2)) for f, s in seen.items()]
+    assert face_differences(combine_faces(faces)) == (
+        "palmar face: radial–ulnar +0.0 %, distal −0.7 %; radial face: palmar +0.0 %, distal +0.7 %"
+    )
+
+
+def test_what_repeats_tell_of_one_impression() -> None:
+    found = ContactRepeatability(covariance=np.diag([0.01**2, 0.03**2]), freedom=8, groups=4, count=12)
+    assert borrowed(found) == (
+        "2.0 % in area and 3.0 % in aspect ratio, from 12 repeats of 4 contacts (8 degrees of freedom)"
+    )
+
+
+def test_symbols_and_signs_of_a_page() -> None:
+    assert typeset("R_g & 4 (ℓd ℓe)^(3/2)") == (
+        "R<sub>g</sub> &amp; 4 (ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>"
+    )
+    assert signed_with_uncertainty(-0.512, 0.034) == "−0.512 ± 0.034"
+    assert plain_text(r"$R_\mathrm{g}^\mathrm{corr}$ (mm)") == "Rgcorr (mm)"
+
+
+# Plots of a loading curve: what is drawn lies where the record is
+
+
+def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+
+    def kept(axes, indentation, load, *, phase, fits, **options):
+        drawn.append((indentation[phase == "loading"], load[phase == "loading"], fits))
+        return plot_load_indentation(axes, indentation, load, phase=phase, fits=fits, **options)
+
+    monkeypatch.setattr(loading.figures, "plot_load_indentation", kept)
+    curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
+    fit = fit_loading_curve(curve)
+    next(loading.loading_plots("press", curve, fit, cycle=0))
+    ((indentation, load, lines),) = drawn
+    in_contact = indentation > 0.2
+    off = {
+        name: np.std(load[in_contact] - np.interp(indentation[in_contact], depth, line))
+        for name, (depth, line) in lines.items()
+    }
+    # Where the modulus grows so much a power law and Hertz theory leave 0.02 and 0.08 N.
+    assert off["modulus growing with load"] < 0.006
+    assert off["free exponent"] < 0.03
+    assert off["Hertz"] < 0.1

@@ -1,13 +1,21 @@
 """A study's answers: one sentence for each finger and placement, with what is missing said."""
 
+import html
 import math
 import re
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
-from tests.studies import Table, contact, curve, finger, run
+from tests import command
+from tests.studies import Table, contact, curve, finger, picture, run, sequence
 
+from fingerpad.report import write_report
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.load import load_results
 from fingerpad.study.results.output import Answer, answers_of
+from fingerpad.study.results.table import COLUMNS, items
 
 THICK = finger(effective_thickness_mm=8, effective_thickness_mm_std=1)
 
@@ -61,3 +69,102 @@ def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path: Path
 def test_highest_load_counts(tmp_path: Path) -> None:
     found = answer(tmp_path, finger(), press(1, 6.0), press(2, 7.4))
     assert (found.load, found.area) == (2, pytest.approx(math.pi * 7.4 * 5.0))
+
+
+# Fingers without semi-axes and photographs: contact areas against load, and nothing that needs a pad
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
+# Columns of what follows from a pad.
+OF_A_PAD = [
+    name
+    for name, column in COLUMNS.items()
+    if column.group in {"pad", "radius", "hertz", "layer"} and column.dtype == "float"
+]
+PRESSES = [contact(f"c{load}", load, (5 * load ** (1 / 3), 4 * load ** (1 / 3))) for load in (0.5, 1, 2, 4)]
+
+
+def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path: Path) -> None:
+    with_pad = run(tmp_path / "with", finger(), *PRESSES)
+    without = run(tmp_path / "without", finger(std=0), *PRESSES)
+    assert items(without.rows["status"]) == ["measured"] * 4
+    assert without.rows["pooled"].all()
+    assert not without.failures
+    assert without.rows[OF_A_PAD].isna().all(axis=None)
+    assert not with_pad.rows[OF_A_PAD].isna().all(axis=None)
+    for known, alone in zip(with_pad.by_load, without.by_load, strict=True):
+        assert alone.contact_area_mm2 == known.contact_area_mm2
+        assert alone.contact_area_mm2_std == known.contact_area_mm2_std
+        assert math.isnan(alone.youngs_modulus_kpa)
+        assert math.isnan(alone.youngs_modulus_on_layer_kpa)
+    (summary,), (validity,) = without.summaries, without.validities
+    assert summary.corrected_radius is summary.compliance_radius is summary.layer is None
+    growth = next(one for one in validity.checks if one.check == "area_against_load")
+    assert growth.value == pytest.approx(2 / 3)
+    assert validity.verdict == "not tested"  # an exponent alone tests no theory
+
+
+def test_repeats_count_without_semi_axes(tmp_path: Path) -> None:
+    sizes = np.random.default_rng(1).normal(5, 0.2, 8)
+    repeats = [contact(f"c{number}", 2, (size, 4)) for number, size in enumerate(sizes)]
+    known = run(tmp_path / "with", finger(), *repeats).repeatability[False]
+    alone = run(tmp_path / "without", finger(std=0), *repeats).repeatability[False]
+    assert alone.freedom == 7
+    np.testing.assert_allclose(alone.covariance, known.covariance)
+
+
+def test_the_sentence_says_what_is_missing(tmp_path: Path) -> None:
+    steep = [contact(f"c{load}", load, (5 * load, 4 * load), std=0.01) for load in (0.5, 1, 2)]
+    (answer,) = answers_of(run(tmp_path, finger(std=0), *steep))
+    assert answer.text.startswith("contact area 251.33 ± 0.40 mm² under 2 N; Hertz theory fails (modulus")
+    assert answer.text.endswith("no modulus and no radius, as the finger's semi-axes are not known")
+    assert math.isnan(answer.modulus)
+
+
+def test_a_loading_curve_stands_beside_areas(tmp_path: Path) -> None:
+    found = run(tmp_path, finger(std=0), *PRESSES, curve(loading_radius_mm=15, loading_radius_mm_std=1))
+    (validity,) = found.validities
+    radius = next(one for one in validity.checks if one.check == "radius_against_loading")
+    assert (radius.verdict, radius.note) == ("not tested", "the finger has no semi-axes")
+
+
+def test_report_and_results_of_areas_alone(tmp_path: Path) -> None:
+    """One finger has a pad, the other none; a picture of the other is measured, and a sequence."""
+    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_2N.png", tmp_path / "print.png")
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    for number in range(3):
+        shutil.copy(tmp_path / "print.png", frames / f"{number}.png")
+    (tmp_path / "force.csv").write_text("time_s,force_N\n0,0.1\n1,0.7\n2,1.4\n3,2\n4,2\n")
+    scale = {"scale": {"ppi": 500}}
+    run(
+        tmp_path,
+        finger("g", std=0),
+        finger(),
+        contact("other"),
+        picture("seen", "print.png", finger="g", **scale),
+        sequence("press", "frames", finger="g", wedge=45, force="force.csv", frames_per_second=1, **scale),
+    )
+    out = tmp_path / "out"
+    result = run_study(tmp_path / "study.toml", out, write_report=write_report)
+    page = html.unescape((out / "report.html").read_text(encoding="utf-8"))
+    assert "as the finger's semi-axes are not known" in page
+    assert "Give semi-axes or photographs of g: radius and modulus follow" in page
+    assert "contact areas alone, no radius and no modulus: g" in page
+    assert "Of g, whose semi-axes are not known" in page
+    assert not re.search(r"\bnan\b", page)
+    head = page[page.index('<table class="results">') :].partition("</thead>")[0]
+    assert "Corrected" in head  # of f
+    assert "Loading radius" not in head
+    texts = {answer.label: answer.text for answer in answers_of(result)}
+    assert texts["g, 45°"].startswith("contact area 116.")
+    assert "corrected radius" in texts["f, 30°"]
+    stored = load_results(out)
+    row = stored.table.set_index("observation").loc["seen"]
+    assert row["gross_area_mm2"] == pytest.approx(116.3, rel=0.03)
+    assert np.isnan(row["youngs_modulus_kpa"])
+    assert stored.summary.finger("g").source == "none"
+    for words in (("compare", out), ("export", out, tmp_path / "all.mat")):
+        assert command.run(*words)[0] == 0
+    code, _, err = command.run("simulator", out, "--finger", "g", "--wedge-deg", "30")
+    assert code == 2
+    assert "semi-axes" in err

@@ -1,11 +1,21 @@
 """Spreadsheets and patterns of names, joined to files."""
 
+from collections import Counter
+from pathlib import Path
+
+import cv2
+import numpy as np
 import pytest
+from benchmarks.claims.photographs import random_finger
+from PIL import Image
+from tests.image.ruler_scenes import KINDS, ruler_scene
 from tests.workbooks import MAIN, workbook
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.imports.identify import join_files, parse_file_table, read_file_table
-from fingerpad.study.imports.names import FileValues, match_file_names, read_value
+from fingerpad.image import guess_subject
+from fingerpad.simulate import render_coin, render_contact_image, render_finger
+from fingerpad.study.imports.identify import identify_file, join_files, parse_file_table, read_file_table
+from fingerpad.study.imports.names import FileValues, match_file_names, read_file_name, read_value
 
 SHEET = f"""<?xml version="1.0"?><worksheet {MAIN}><sheetData>
 <row r="1"><c r="A1" t="s"><v>0</v></c><c r="B1" t="s"><v>1</v></c>
@@ -170,3 +180,206 @@ def test_every_field_of_a_pattern_is_read() -> None:
         read_value(values, field, text)
     one = match_file_names("{person}-{finger}-{face}-{wedge}-{load}", ["1-LI-ulnar-30-2.png"])[0]
     assert one.values == values
+
+
+# What names of files say, and what they leave open
+
+
+@pytest.mark.parametrize(
+    ("name", "load"),
+    [
+        ("a_0.5N.png", 0.5),
+        ("1,5N.png", 1.5),
+        ("500mN.png", 0.5),
+        ("right_index_30deg_2N.tif", 2.0),
+        ("30deg-2 N.tif", 2.0),
+        ("left thumb 12N_b.png", 12.0),
+        ("45_2N.png", 2.0),
+        ("0-5N.png", None),
+        ("1_5N.png", None),
+        ("2Nm.png", None),
+        ("N2.png", None),
+        ("IMG_0031.jpg", None),
+        ("2n.png", None),
+    ],
+)
+def test_load(name: str, load: float | None) -> None:
+    assert read_file_name(name, "picture").get("load_N") == load
+
+
+@pytest.mark.parametrize(
+    ("name", "angle"),
+    [
+        ("wedge45.png", 45.0),
+        ("wedge_angle-30_1N.png", 30.0),
+        ("45deg.png", 45.0),
+        ("30°_2N.png", 30.0),
+        ("22.5deg.png", 22.5),
+        ("22,5 deg.png", 22.5),
+        ("theta30.png", 30.0),
+        ("350deg.png", None),
+        ("2-5deg.png", None),
+        ("IMG_0045.jpg", None),
+    ],
+)
+def test_wedge_angle(name: str, angle: float | None) -> None:
+    assert read_file_name(name, "picture").get("wedge_angle_deg") == angle
+
+
+@pytest.mark.parametrize(
+    ("name", "finger"),
+    [
+        ("S01_LI.png", "S01_left_index"),
+        ("P3 RT 2N.png", "P3_right_thumb"),
+        ("subject12-right-middle_1N.png", "subject12_right_middle"),
+        ("left_index_palmar.png", "left_index"),
+        ("LeftIndex30deg.png", "left_index"),
+        ("index-left-1N.png", "left_index"),
+        ("Right Pinky.png", "right_little"),
+        ("L_index.png", "left_index"),
+        ("my_pad_2N.png", "my_pad"),
+        ("IMG_0031.jpg", None),
+        ("left.png", None),
+        ("MRI.png", None),
+        ("a_l_i.png", None),
+        ("thumbnail_left.png", None),
+    ],
+)
+def test_finger(name: str, finger: str | None) -> None:
+    assert read_file_name(name, "picture", fingers=["my_pad", "pad"]).get("finger") == finger
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "role", "face"),
+    [
+        ("a.png", "picture", "observation", None),
+        ("a_palmar.png", "picture", "photograph", "palmar"),
+        ("Ulnar 2.jpg", "picture", "photograph", "ulnar"),
+        ("ruler.png", "picture", None, None),
+        ("2_cent.jpg", "picture", None, None),
+        ("center.png", "picture", "observation", None),
+        ("scaled_2N.png", "picture", "observation", None),
+        ("press.avi", "sequence", "sequence", None),
+        ("distal.csv", "table", "outline", "distal"),
+        ("loading.csv", "table", "curve", None),
+        ("force.csv", "table", None, None),
+        ("notes.txt", "other", None, None),
+    ],
+)
+def test_role(name: str, kind: str, role: str | None, face: str | None) -> None:
+    found = read_file_name(f"folder_2N/{name}", kind)
+    assert (found.get("role"), found.get("face"), "load_N" not in found) == (role, face, "2N" not in name)
+
+
+# What new files are, by content and name: a small seeded table of confusion
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "examples" / "dzidek2017" / "synthetic"
+REAL = ROOT.parent / "shared" / "data"
+
+
+def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
+    expected = {
+        "*.png": "observation",
+        "*.jpg": "photograph",
+        "*.tif": "sequence",
+        "curve*.csv": "curve",
+        "*force.csv": "force",
+    }
+    for pattern, content in expected.items():
+        for number, path in enumerate(sorted(EXAMPLE.glob(pattern))):
+            plain = tmp_path / f"IMG_{number:04}{path.suffix}"
+            plain.write_bytes(path.read_bytes())
+            found = identify_file(plain)
+            assert (found.uses[0], found.sure) == (content, True), path.name
+            if content == "photograph":
+                assert found.face == path.stem.split("_")[1]
+
+
+def test_subjects_of_pictures() -> None:
+    """Nothing is taken surely for what it is not; most are recognised."""
+    pictures = [
+        ("contact", render_contact_image(semi_major=3.2, semi_minor=2.9, seed=1).pixels),
+        *(("finger", random_finger(seed, 60).pixels) for seed in range(2)),
+        ("coin", render_coin(radius=100, seed=2).pixels),
+        *(("ruler", ruler_scene(kind, 3, side=480)) for kind in KINDS[:3]),
+    ]
+    recognised: Counter[str] = Counter()
+    for subject, pixels in pictures:
+        (best, share), *_ = guess_subject(pixels).subjects.items()
+        assert best == subject or share < 0.9, (subject, best, share)
+        recognised[subject] += best == subject
+    assert recognised == {"contact": 1, "finger": 2, "coin": 1, "ruler": recognised["ruler"]}
+    assert recognised["ruler"] >= 2
+
+
+@pytest.mark.parametrize("tip", ["up", "left"])
+def test_a_side_is_told_whichever_way_the_tip_points(tip: str) -> None:
+    guess = guess_subject(render_finger("radial", tip=tip, mm_per_px=0.08, seed=2).pixels)
+    assert next(iter(guess.subjects)) == "finger"
+    assert guess.faces["radial"] == guess.faces["ulnar"] > guess.faces["palmar"]
+
+
+def test_shares_sum_to_one_and_fall() -> None:
+    guess = guess_subject(np.full((80, 90), 200, np.uint8))
+    shares = list(guess.subjects.values())
+    assert sum(shares) == pytest.approx(1)
+    assert shares == sorted(shares, reverse=True)
+    assert shares[0] < 0.9  # blank paper is asked
+
+
+def test_real_prints_are_contact_images() -> None:
+    paths = sorted(REAL.glob("nist_nbis_livescan_slaps/*index*.png")) + sorted(REAL.glob("nist_minex_ink/a*"))
+    if not paths:
+        pytest.skip("no real prints on this machine")
+    for path in paths:
+        (best, share), *_ = guess_subject(path).subjects.items()
+        assert (best == "contact" and share >= 0.9) or (path.name == "a999_01p.pgm" and share < 0.9), path
+
+
+def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
+    grey = np.full((200, 200), 200, np.uint8)
+    cv2.circle(grey, (100, 100), 60, 90, -1)
+    for name, content in [("30deg_2N", "observation"), ("palmar", "photograph")]:
+        Image.fromarray(cv2.GaussianBlur(grey, (0, 0), 25)).save(tmp_path / f"{name}.png")
+        found = identify_file(tmp_path / f"{name}.png")
+        assert (found.uses[0], found.sure) == (content, True)
+    assert found.face == "palmar"
+
+
+@pytest.mark.parametrize(
+    ("text", "content"),
+    [
+        ("time_s,force_N,displacement_mm\n0,0,0\n", "curve"),
+        ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force"),
+        ("Position;Force\n1,5;0,2\n", "curve"),
+        ("Time/s;Normal force [mN];Disp / µm\n0;0,1;0\n", "curve"),
+        ("time_s,force_N\n0,0\n", "force"),
+        ("Time [s]\tLoad[mN]\n0\t0\n", "force"),
+        ("X [µm];Y [µm]\n0;0\n", "outline"),
+        ("x_mm,y_mm\n0,0\n", "outline"),
+        ("file,load\nIMG_1,2\n", "sheet"),
+        ("a,b\n1,2\n", ""),
+        ("", ""),
+    ],
+)
+def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text(text, encoding="utf-8")
+    assert identify_file(path).uses[0] == content
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "is_sure"),
+    [
+        ("press_force.csv", "force", False),
+        ("press.csv", "curve", True),
+        ("force_displacement.csv", "curve", True),
+    ],
+)
+def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
+    tmp_path, name, content, is_sure
+) -> None:
+    (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
+    found = identify_file(tmp_path / name)
+    assert (found.uses[0], found.sure) == (content, is_sure)

@@ -5,6 +5,7 @@ results are measured again. Record the new numbers with ``python -m tests.study.
 """
 
 import json
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -12,8 +13,12 @@ import pytest
 from tests.studies import summary_of
 from tests.study.pinned_study import OBSERVATIONS, make_pinned
 
+import fingerpad as fp
 from fingerpad.study.engine import task as versions
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results import output
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import CurveFitRecord, SummaryFile, ThicknessFitRecord
 from fingerpad.study.status import study_status
 
 PINNED = Path(__file__).with_name("measured_numbers.json")
@@ -85,3 +90,55 @@ if __name__ == "__main__":
         kind: {"version": versions.MEASUREMENT_VERSIONS[kind], "numbers": found[kind]} for kind in found
     }
     PINNED.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+
+
+# The content of summary.json: every key described, nothing lost between writing and reading
+
+
+def keys(content: object, place: str = "") -> set[str]:
+    if isinstance(content, dict):
+        return {place, *(key for name, one in content.items() for key in keys(one, f"{place}/{name}"))}
+    return {key for one in content for key in keys(one, place)} if isinstance(content, list) else {place}
+
+
+@pytest.fixture(scope="module")
+def read(pinned_run, tmp_path_factory):
+    out = tmp_path_factory.mktemp("summary") / "out"
+    return fp.run_study(pinned_run, shutil.copytree(pinned_run.with_name("out"), out)), out
+
+
+def test_every_key_says_what_it_is() -> None:
+    schema = SummaryFile.model_json_schema(mode="serialization")
+    for name, table in {"SummaryFile": schema, **schema["$defs"]}.items():
+        for key, value in table["properties"].items():
+            assert value.get("description"), f"{name}.{key}"
+
+
+def test_what_is_read_is_what_was_written(read: tuple[StudyResult, Path]) -> None:
+    found, out = read
+    written = (out / "summary.json").read_text(encoding="utf-8")
+    summary = fp.load_results(out).summary
+    assert summary.text() == written == output.summary_of(found).text()
+    (place,) = summary.summaries
+    assert place.radius_from_indentation_mm == found.summaries[0].corrected_radius.value
+    assert place.on_layer.highest_load.youngs_modulus_on_layer_kpa > 0
+
+
+def test_nothing_that_a_fit_tells_is_left_out(read: tuple[StudyResult, Path]) -> None:
+    (curve,) = read[0].curves
+    assert set(curve.fit.as_record()) == set(CurveFitRecord.model_fields)
+    assert set(curve.layer.as_record()) == set(ThicknessFitRecord.model_fields)
+
+
+def test_a_summary_of_another_version_is_read_or_refused(
+    read: tuple[StudyResult, Path], tmp_path: Path
+) -> None:
+    content = json.loads((read[1] / "summary.json").read_text(encoding="utf-8"))
+    path = tmp_path / "summary.json"
+    path.write_text(json.dumps({**content, "new": {"key": 1}}), encoding="utf-8")
+    assert SummaryFile.read(tmp_path).title == "Pinned numbers"
+    del content["summaries"][0]["validity"]
+    path.write_text(json.dumps(content), encoding="utf-8")
+    message = r"is not understood \(summaries.0.validity: Field required\); run the study again"
+    with pytest.raises(fp.FingerpadError, match=message):
+        SummaryFile.read(tmp_path)
