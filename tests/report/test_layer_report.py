@@ -4,13 +4,11 @@ import html
 import re
 
 import pytest
-from tests.studies import contact, curve, finger, run
+from tests.studies import contact, curve, finger, page_of, rows_by, run
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import records
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +24,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str]:
         curve(loading_radius_mm=19.7, loading_radius_mm_std=0.4, **of),
         uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
     )
-    path = write_report(result, folder / "out")
-    return result, path.read_text(encoding="utf-8")
+    return result, page_of(result, folder / "out")
 
 
 def cells(text: str, quantity: str, of: str) -> list[str]:
@@ -41,20 +38,20 @@ def cells(text: str, quantity: str, of: str) -> list[str]:
     raise AssertionError(quantity)
 
 
-@pytest.mark.parametrize(
-    ("quantity", "hertz", "layered"),
-    [
-        ("Young's modulus E from load and area (kPa)", "youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
-        ("indentation ξ from the area (mm)", "indentation_mm", "indentation_on_layer_mm"),
-        ("Rg to expect, A/(πξ) (mm)", "geometric_radius_from_compliance_mm", "loading_radius_on_layer_mm"),
-    ],
-)
-def test_both_theories_side_by_side(report, quantity: str, hertz: str, layered: str) -> None:
+QUANTITIES = {
+    "Young's modulus E from load and area (kPa)": ("youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
+    "indentation ξ from the area (mm)": ("indentation_mm", "indentation_on_layer_mm"),
+    "Rg to expect, A/(πξ) (mm)": ("geometric_radius_from_compliance_mm", "loading_radius_on_layer_mm"),
+}
+
+
+def test_both_theories_side_by_side(report) -> None:
     result, text = report
-    row = next(row for row in records(result.rows) if row["observation"] == "b")
-    found = cells(text, quantity, "b, 2 N")
-    assert found[2:4] == [value_with_uncertainty(row[name], row[f"{name}_std"]) for name in (hertz, layered)]
-    assert found[4].startswith("thickness ")
+    row = rows_by(result)["b"]
+    for quantity, names in QUANTITIES.items():
+        found = cells(text, quantity, "b, 2 N")
+        assert found[2:4] == [value_with_uncertainty(row[name], row[f"{name}_std"]) for name in names]
+        assert found[4].startswith("thickness ")
 
 
 def test_the_mean_and_the_measured_radius(report) -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from tests.studies import PAD, Table, contact, curve, finger, run, write_curve, write_outlines
 
-from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.results.study_result import StudyResult
@@ -53,20 +52,6 @@ def test_curves_of_one_scale_do_not_average_its_error_out(fitted: list[CurveResu
     assert pooled.std / pooled.value > 0.06
 
 
-@pytest.mark.parametrize(
-    ("stated", "words"),
-    [
-        ({"scale": "other"}, "no scale is named 'other'"),
-        ({"scale": "camera", "area_relative_std": 0.01}, "no use for area_relative_std"),
-        ({"area_relative_std": 2}, "area_relative_std"),
-    ],
-)
-def test_a_scale_that_cannot_be_is_refused(tmp_path: Path, stated: dict[str, object], words: str) -> None:
-    (tmp_path / "0.csv").touch()
-    with pytest.raises(ManifestError, match=words):
-        curves(tmp_path, stated)
-
-
 def test_a_scale_that_is_not_found_costs_its_curve(fitted: list[CurveResult]) -> None:
     assert fitted[3].reason is not None
     assert "none.png" in fitted[3].reason
@@ -106,11 +91,6 @@ def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> 
 def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path: Path) -> None:
     found = study(tmp_path / "study", {"scale": "camera"}).study
     assert not [words for words in found.taken_as_exact() if "outlines" in words or "scale" in words]
-
-
-def test_a_name_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ManifestError, match="no scale is named 'third'"):
-        study(tmp_path / "study", {"scale": "third"})
 
 
 def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path: Path) -> None:

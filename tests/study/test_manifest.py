@@ -97,6 +97,10 @@ def pad(*keys: str) -> str:
 SAME_FILE = 'file = "study.toml", scale = { ppi = 90 }'
 
 
+def press_curve(keys: str) -> str:
+    return f'{VALID}[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "study.toml"\n{keys}'
+
+
 def press(keys: str) -> str:
     return f"{VALID}{PRESS}scale = {{ ppi = 500 }}\n{keys}"
 
@@ -130,9 +134,25 @@ def press(keys: str) -> str:
             r"fingers\[0\]: the photograph study.toml is named 2 times: copy",
         ),
         (
-            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
-            "loading_radius_mm_std = 3",
-            "curves.0.: there is no use for loading_radius_mm_std here",
+            press_curve("loading_radius_mm_std = 3"),
+            "curves.0.: there is no use for loading_radius_mm_std",
+        ),
+        (press_curve("thickness_mm = 0"), "curves.0..thickness_mm: expected"),
+        (press_curve("thickness_mm = inf\nthickness_mm_std = 1"), "no use for thickness_mm_std"),
+        (press_curve('scale = "other"'), "no scale is named 'other'"),
+        (press_curve("scale = { ppi = 90 }\narea_relative_std = 0.1"), "no use for area_relative_std"),
+        (press_curve("area_relative_std = 2"), "curves.0..area_relative_std: expected"),
+        (press_curve('file_columns = { aera = "aera_mm2:mm2" }'), r"curves\[0\]\.file_columns\.aera: "),
+        (pad('face = "palmar", outline = "study.toml", scale = "third"'), "no scale is named 'third'"),
+        *(
+            (f"{VALID}[{table}]\n{key} = {value}", f"{table}.{key}: ")
+            for table, key, value in (
+                ("uncertainty", "load_gain_relative_std", 1.5),
+                ("uncertainty", "jig_angle_deg_std", -1),
+                ("apparatus", "dwel_s", 1),
+                ("apparatus", "dwell_s", -1),
+                ("apparatus", "imaging", 3),
+            )
         ),
         (changed("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),
         (changed('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
