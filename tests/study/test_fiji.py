@@ -79,7 +79,7 @@ def test_a_table_in_px_gives_the_ellipse_that_was_drawn(tmp_path: Path, tilt: fl
     assert found.doubts == ()
 
 
-@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), ("\t", "."), ("\t", ","), (";", ",")])
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), ("\t", ","), (";", ",")])
 def test_any_separator_and_decimal_reads_the_same(tmp_path: Path, separator: str, decimal: str) -> None:
     row = {"Label": "a", **fiji_row(ellipse_mask(10), PX_MM)}
     for encoding in ("utf-8", "utf-8-sig", "cp1252"):
@@ -101,10 +101,7 @@ def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
     ("content", "message"),
     [
         ("", "no column Major and Minor; found none"),
-        (
-            " ,Label,Area\n1,a,3\n",
-            "no column Major and Minor; found Label, Area.*Set Measurements > Fit ellipse",
-        ),
+        (" ,Label,Area\n1,a,3\n", "no column Major and Minor; found Label, Area.*Set Measurements > Fit"),
         (" ,Major,Minor\n1,NaN,3\n", "line 2: column Major: expected a number, found 'NaN'"),
         (" ,Major,Minor\n1,0,0\n", "a line or a point has none"),
         (" ,Major,Minor\n1,9,12\n", "Major 9 and Minor 12 are no full axes"),
@@ -299,20 +296,17 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
 
 def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
     results = table(tmp_path, as_table([{"Label": "b.tif", "Major": 14.8, "Minor": 10.0}]))
-    study = study_of(tmp_path)
-    out = tmp_path / "observations.csv"
-    code, said, _ = cli(results, "--unit", "mm", "--std-mm", 0.1, "--finger", "index", "--out", out)
+    study, out = study_of(tmp_path), tmp_path / "observations.csv"
+    words = (results, "--unit", "mm", "--std-mm", 0.1, "--finger", "index", "--out", out)
+    code, said, _ = cli(*words)
     assert code == 0
     assert "Fill in wedge_angle_deg, load_N for 1 of them: b\n" in said
-    with pytest.raises(
-        ManifestError, match="observations.csv, line 2: wedge_angle_deg: required, but missing"
-    ):
+    with pytest.raises(ManifestError, match="observations.csv, line 2: wedge_angle_deg: required"):
         run_study(study, tmp_path / "out")
     filled = out.read_text(encoding="utf-8").replace("b,index,,,", "b,index,30,2,")
     out.write_text(filled, encoding="utf-8")
-    code, _, error = cli(results, "--unit", "mm", "--std-mm", 0.1, "--out", out)
-    assert code == 2
-    assert "is there already" in error
+    code, _, error = cli(*words)
+    assert (code, "is there already" in error) == (2, True)
     assert out.read_text(encoding="utf-8") == filled
     assert first_record(run_study(study, tmp_path / "out").rows)["load_N"] == 2
 
@@ -359,21 +353,16 @@ def observations(*ellipses: MeasuredEllipse, **given: object) -> list[ManualObse
 @pytest.mark.parametrize(
     ("pattern", "label", "reported"),
     [
-        ("{finger}_{load}N", "ring_2N.tif", {"finger": "ring", "load_N": 2}),
         ("{finger}_{wedge}deg*", "left_ring_4.5deg_x", {"finger": "left_ring", "wedge_angle_deg": 4.5}),
         ("{person}_{finger}_{load}mN", "S1_LI_500mN.TIF:0012", {"finger": "S1_left_index", "load_N": 0.5}),
         ("*_{load}N", "stack.x_0p25N", {"load_N": 0.25}),
         ("{load}N*roll{roll}", "1,5N_xx_roll-10", {"load_N": 1.5, "roll_angle_deg": -10}),
         ("{load} N (a+b)", "2 N (a+b)", {"load_N": 2}),
-        ("{load}N", "0.5N", {"load_N": 0.5}),
     ],
 )
 def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: dict[str, object]) -> None:
     found = observations(ellipse(label), ellipse("other"), pattern=pattern)
     assert [row.values for row in found] == [reported, {}]
-
-
-def test_a_person_in_labels_is_in_front_of_the_finger_of_all() -> None:
     (row,) = observations(ellipse("S7"), pattern="{person}", known={"finger": "index"})
     assert row.values == {"finger": "S7_index"}
 
@@ -421,25 +410,13 @@ def test_what_cannot_be_meant_is_refused(changed: dict[str, object], message: st
 
 
 def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -> None:
-    labels = [
-        "a b/c.tif:0001-0203",
-        "A B C.TIF:0001-0203",
-        "",
-        "../..",
-        "ж" * 90,
-        "ж" * 80,
-        "a.tif",
-        "a",
-        "a_2",
-    ]
+    labels = ["a b/c.tif:0001-0203", "A B C.TIF:0001-0203", "", "../.."]
+    labels += ["ж" * 90, "ж" * 80, "a.tif", "a", "a_2"]
     known = {"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0}
     write_observations(tmp_path / "o.csv", observations(*map(ellipse, labels), known=known))
     rows = Sheet.parse("o.csv", (tmp_path / "o.csv").read_bytes()).tables()
     names = [content["name"] for _, content, _ in rows]
     assert names[:2] == ["a_b_c_0001-0203", "A_B_C_0001-0203_2"]
     assert len({name.casefold() for name in names}) == len(labels)
-
-
-def test_where_nothing_can_be_written_it_is_said(tmp_path: Path) -> None:
     with pytest.raises(FingerpadError, match="o.csv: cannot be written"):
         write_observations(tmp_path / "nowhere" / "o.csv", [])

@@ -58,25 +58,18 @@ def test_hostile_workbooks(tmp_path) -> None:
     ("header", "cell", "values"),
     [
         ("Load (mN)", "500", {"load_N": 0.5}),
-        ("load_N", "1,5", {"load_N": 1.5}),
-        ("Normal force [N]", "2", {"load_N": 2.0}),
-        ("W / N", "2", {"load_N": 2.0}),
+        ("Normal force [N]", "1,5", {"load_N": 1.5}),
         ("weight, g", "100", {"load_N": 0.980665}),
         ("load", "250 mN", {"load_N": 0.25}),
         ("load_N_std", "0.1", {}),
-        ("Theta", "45", {"wedge_angle_deg": 45.0}),
-        ("Wedge angle (deg)", "22.5", {"wedge_angle_deg": 22.5}),
         ("wedge_angle_deg", "30°", {"wedge_angle_deg": 30.0}),
-        ("mm/px", "0,05", {"mm_per_px": 0.05}),
         ("scale (px/mm)", "20", {"mm_per_px": 0.05}),
         ("um per px", "50", {"mm_per_px": 0.05}),
         ("PPI", "500", {"ppi": 500.0}),
         ("scale", "reader", {"scale": "reader"}),
-        ("Subject", "S 07", {"person": "S_07"}),
-        ("Participant ID", "7", {"person": "7"}),
+        ("Participant ID", "S 07", {"person": "S_07"}),
         ("digit", "right ring", {"finger": "right_ring"}),
         ("Face", "Palmar view", {"face": "palmar"}),
-        ("kind", "contact image", {"role": "observation"}),
         ("type", "ulnar photo", {"role": "photograph", "face": "ulnar"}),
         ("Type", "coin", {"role": ""}),
         ("visit", "2", {"session": "2"}),
@@ -93,12 +86,8 @@ def test_headers_and_cells(header: str, cell: str, values: FileValues) -> None:
 @pytest.mark.parametrize(
     ("header", "cell"),
     [
-        ("load", "heavy"),
-        ("load", "-1"),
-        ("wedge", "100"),
-        ("load", "5 kg"),
-        ("scale", "500"),
-        ("face", "nose"),
+        *(("load", "heavy"), ("load", "-1"), ("load", "5 kg")),
+        *(("wedge", "100"), ("scale", "500"), ("face", "nose")),
     ],
 )
 def test_a_cell_that_cannot_be_read_is_named(header: str, cell: str) -> None:
@@ -139,34 +128,20 @@ def test_join_lists_what_is_unmatched_and_what_is_named_twice() -> None:
 
 
 def test_pattern() -> None:
-    found = match_file_names(
-        "S{person}_{finger}_{wedge}deg_{load}mN*",
-        [
-            "S01_left_index_45deg_500mN.png",
-            "x/s2_right-thumb_0deg_1,5mN_b.tif",
-            "S1_LI_100deg_5mN.png",
-            "IMG_1.png",
-        ],
-    )
+    names = "S01_left_index_45deg_500mN.png", "x/s2_right-thumb_0deg_1,5mN_b.tif"
+    others = "S1_LI_100deg_5mN.png", "IMG_1.png"
+    found = match_file_names("S{person}_{finger}_{wedge}deg_{load}mN*", [*names, *others])
     assert [one.problem == "" for one in found] == [True, True, False, False]
     assert found[0].values == {"person": "01", "finger": "left_index", "wedge_angle_deg": 45.0, "load_N": 0.5}
-    assert found[1].values["finger"] == "right_thumb"
-    assert found[1].values["load_N"] == 0.0015
+    assert (found[1].values["finger"], found[1].values["load_N"]) == ("right_thumb", 0.0015)
     assert "100" in found[2].problem
 
 
 @pytest.mark.parametrize(
     "pattern",
     [
-        "IMG",
-        "{load}_{load}",
-        "{mood}",
-        "{person}{finger}",
-        "*_*_*_*_{load}",
-        "{load}{}",
-        "{roll}",
-        "*{load}",
-        "{load}" + "x" * 300,
+        *("IMG", "{load}_{load}", "{mood}", "{person}{finger}", "*_*_*_*_{load}", "{load}{}", "{roll}"),
+        *("*{load}", "{load}" + "x" * 300),
     ],
 )
 def test_patterns_refused(pattern: str) -> None:
@@ -186,67 +161,28 @@ def test_every_field_of_a_pattern_is_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "load"),
+    ("key", "values"),
     [
-        ("a_0.5N.png", 0.5),
-        ("1,5N.png", 1.5),
-        ("500mN.png", 0.5),
-        ("right_index_30deg_2N.tif", 2.0),
-        ("30deg-2 N.tif", 2.0),
-        ("left thumb 12N_b.png", 12.0),
-        ("45_2N.png", 2.0),
-        ("0-5N.png", None),
-        ("1_5N.png", None),
-        ("2Nm.png", None),
-        ("N2.png", None),
-        ("IMG_0031.jpg", None),
-        ("2n.png", None),
+        ("load_N", {
+            "a_0.5N.png": 0.5, "1,5N.png": 1.5, "500mN.png": 0.5, "30deg-2 N.tif": 2.0,
+            "left thumb 12N_b.png": 12.0, "45_2N.png": 2.0,
+            "0-5N.png": None, "1_5N.png": None, "2Nm.png": None, "N2.png": None, "2n.png": None,
+        }),
+        ("wedge_angle_deg", {
+            "wedge45.png": 45.0, "wedge_angle-30_1N.png": 30.0, "30°_2N.png": 30.0, "22,5 deg.png": 22.5,
+            "theta30.png": 30.0, "350deg.png": None, "2-5deg.png": None, "IMG_0045.jpg": None,
+        }),
+        ("finger", {
+            "S01_LI.png": "S01_left_index", "P3 RT 2N.png": "P3_right_thumb",
+            "subject12-right-middle_1N.png": "subject12_right_middle", "LeftIndex30deg.png": "left_index",
+            "index-left-1N.png": "left_index", "Right Pinky.png": "right_little", "my_pad_2N.png": "my_pad",
+            "left.png": None, "MRI.png": None, "a_l_i.png": None, "thumbnail_left.png": None,
+        }),
     ],
-)
-def test_load(name: str, load: float | None) -> None:
-    assert read_file_name(name, "picture").get("load_N") == load
-
-
-@pytest.mark.parametrize(
-    ("name", "angle"),
-    [
-        ("wedge45.png", 45.0),
-        ("wedge_angle-30_1N.png", 30.0),
-        ("45deg.png", 45.0),
-        ("30°_2N.png", 30.0),
-        ("22.5deg.png", 22.5),
-        ("22,5 deg.png", 22.5),
-        ("theta30.png", 30.0),
-        ("350deg.png", None),
-        ("2-5deg.png", None),
-        ("IMG_0045.jpg", None),
-    ],
-)
-def test_wedge_angle(name: str, angle: float | None) -> None:
-    assert read_file_name(name, "picture").get("wedge_angle_deg") == angle
-
-
-@pytest.mark.parametrize(
-    ("name", "finger"),
-    [
-        ("S01_LI.png", "S01_left_index"),
-        ("P3 RT 2N.png", "P3_right_thumb"),
-        ("subject12-right-middle_1N.png", "subject12_right_middle"),
-        ("left_index_palmar.png", "left_index"),
-        ("LeftIndex30deg.png", "left_index"),
-        ("index-left-1N.png", "left_index"),
-        ("Right Pinky.png", "right_little"),
-        ("L_index.png", "left_index"),
-        ("my_pad_2N.png", "my_pad"),
-        ("IMG_0031.jpg", None),
-        ("left.png", None),
-        ("MRI.png", None),
-        ("a_l_i.png", None),
-        ("thumbnail_left.png", None),
-    ],
-)
-def test_finger(name: str, finger: str | None) -> None:
-    assert read_file_name(name, "picture", fingers=["my_pad", "pad"]).get("finger") == finger
+)  # fmt: skip
+def test_what_a_name_says(key, values) -> None:
+    found = {name: read_file_name(name, "picture", fingers=["my_pad", "pad"]).get(key) for name in values}
+    assert found == values
 
 
 @pytest.mark.parametrize(
@@ -254,11 +190,9 @@ def test_finger(name: str, finger: str | None) -> None:
     [
         ("a.png", "picture", "observation", None),
         ("a_palmar.png", "picture", "photograph", "palmar"),
-        ("Ulnar 2.jpg", "picture", "photograph", "ulnar"),
         ("ruler.png", "picture", None, None),
         ("2_cent.jpg", "picture", None, None),
         ("center.png", "picture", "observation", None),
-        ("scaled_2N.png", "picture", "observation", None),
         ("press.avi", "sequence", "sequence", None),
         ("distal.csv", "table", "outline", "distal"),
         ("loading.csv", "table", "curve", None),
@@ -279,14 +213,8 @@ REAL = ROOT.parent / "shared" / "data"
 
 
 def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
-    expected = {
-        "*.png": "observation",
-        "*.jpg": "photograph",
-        "*.tif": "sequence",
-        "curve*.csv": "curve",
-        "*force.csv": "force",
-    }
-    for pattern, content in expected.items():
+    expected = {"*.png": "observation", "*.jpg": "photograph", "*.tif": "sequence"}
+    for pattern, content in {**expected, "curve*.csv": "curve", "*force.csv": "force"}.items():
         for number, path in enumerate(sorted(EXAMPLE.glob(pattern))):
             plain = tmp_path / f"IMG_{number:04}{path.suffix}"
             plain.write_bytes(path.read_bytes())
@@ -354,10 +282,8 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
         ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force"),
         ("Position;Force\n1,5;0,2\n", "curve"),
         ("Time/s;Normal force [mN];Disp / µm\n0;0,1;0\n", "curve"),
-        ("time_s,force_N\n0,0\n", "force"),
         ("Time [s]\tLoad[mN]\n0\t0\n", "force"),
         ("X [µm];Y [µm]\n0;0\n", "outline"),
-        ("x_mm,y_mm\n0,0\n", "outline"),
         ("file,load\nIMG_1,2\n", "sheet"),
         ("a,b\n1,2\n", ""),
         ("", ""),
@@ -377,9 +303,7 @@ def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
         ("force_displacement.csv", "curve", True),
     ],
 )
-def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
-    tmp_path, name, content, is_sure
-) -> None:
+def test_a_name_that_says_force_gives_a_table_to_a_sequence(tmp_path, name, content, is_sure) -> None:
     (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
     found = identify_file(tmp_path / name)
     assert (found.uses[0], found.sure) == (content, is_sure)

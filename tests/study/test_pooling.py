@@ -58,18 +58,16 @@ def test_the_budget_adds_up_and_names_the_largest(tmp_path: Path) -> None:
     assert exact.corrected_radius.budget["semi-axes"] < 1e-6 < budget["semi-axes"]
 
 
-def test_scatter_beyond_the_uncertainties_enters_the_budget(tmp_path: Path) -> None:
+def test_scatter_enters_the_budget_and_that_of_repeats_and_of_loads_apart(tmp_path: Path) -> None:
     (summary,) = study(tmp_path, majors=(9.0, 7.0, 5.2), std=0.001).summaries
     pooled = summary.corrected_radius
     assert pooled.fixed.birge_ratio > 3
     assert pooled.budget["scatter"] > 0.005
     assert pooled.random.between_std > 0
-
-
-def test_repeats_and_loads_scatter_apart(tmp_path: Path) -> None:
     (summary,) = study(tmp_path, majors=(7.0, 7.0, 9.0, 9.0), loads=(1, 1, 2, 2)).summaries
-    assert summary.corrected_radius.scatter.components["repeat"].std == pytest.approx(0, abs=1e-9)
-    assert summary.corrected_radius.scatter.components["load"].std > 0.05
+    components = summary.corrected_radius.scatter.components
+    assert components["repeat"].std == pytest.approx(0, abs=1e-9)
+    assert components["load"].std > 0.05
 
 
 def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> None:
@@ -134,6 +132,19 @@ def contact(number: int, scale: str | None = None, **more: Any) -> tuple[Observa
     return observation, Measurement(observation=name, **{**given, **more})
 
 
+def modelled(*seen: tuple[Observation, Measurement], scale: str | None = None) -> Rows:
+    """Return the rows of contacts of the finger."""
+    return model_contacts(STUDY, {"f": finger(scale)}, seen)
+
+
+def with_parts(rows: Rows, parts: dict[tuple[str, int], float], **more: Any) -> Rows:
+    """Return rows whose uncertainty comes of these parts alone: of a source's first or last place."""
+    every = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
+    for (source, place), part in parts.items():
+        every[:, :, np.flatnonzero(source == PART_SOURCES)[place]] = part
+    return replace(rows, parts=every, **more)
+
+
 def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
     return PooledRadius.of(rows, rows.table, np.array(estimate), OUTPUT)
 
@@ -142,9 +153,7 @@ def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
     ("of_finger", "of_contact", "is_shared"),
     [("a", "a", True), ("a", "b", False), ("a", None, False), (None, "a", False), (None, None, False)],
 )
-def test_only_one_and_the_same_named_scale_is_shared(
-    of_finger: str | None, of_contact: str | None, is_shared: bool
-) -> None:
+def test_only_one_and_the_same_named_scale_is_shared(of_finger, of_contact, is_shared) -> None:
     inputs = contact_inputs(STUDY, {"f": finger(of_finger)}, [contact(0, of_contact)])
     found = inputs.covariance[0, inputs.places(SEMI_AXES), inputs.places(["image_scale"])]
     np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
@@ -152,7 +161,7 @@ def test_only_one_and_the_same_named_scale_is_shared(
 
 def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
     """Sobol indices are of independent sources, which semi-axes and scale are no longer."""
-    rows = model_contacts(STUDY, {"f": finger("a")}, [contact(0, "a")])
+    rows = modelled(contact(0, "a"), scale="a")
     (highest,) = rows.highest_load.values()
     check = check_uncertainty("c0", highest.inputs)
     assert set(check.shares) == {"semi-axes and scale", *PAD_SOURCES} - {"semi-axes", "image scale"}
@@ -166,10 +175,8 @@ def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
 
 def test_stated_uncertainties_of_angles_are_degrees() -> None:
     stated = {"wedge_angle_deg_std": 0.5, "roll_angle_deg_std": 3.0}
-    uncertainty = STUDY.uncertainty.model_copy(update=stated)
-    inputs = contact_inputs(
-        STUDY.model_copy(update={"uncertainty": uncertainty}), {"f": finger(None)}, [contact(0)]
-    )
+    study = studies.study_of(studies.finger(), uncertainty=stated)
+    inputs = contact_inputs(study, {"f": finger(None)}, [contact(0)])
     stds = inputs.std[0, inputs.places(["wedge_angle", "roll_angle"])]
     assert np.degrees(stds) == pytest.approx([0.5, 3.0])
 
@@ -179,17 +186,19 @@ def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
     places = inputs.places(["contact_radius", "elongation"])
     expected = np.hypot(0.1 / 7, 0.1 / 5)
     np.testing.assert_allclose(inputs.std[0, places], [0.5 * np.sqrt(35) * expected, expected], rtol=1e-9)
-    (row,) = records(model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a")]).table)
+    (row,) = records(modelled(contact(0, "a")).table)
     assert [row[f"semi_{axis}_mm_noise_std"] for axis in ("major", "minor")] == pytest.approx([0.1, 0.1])
 
 
+EDGE = {"covariance_mm2": 0.01 * np.eye(2) + 0.3**2, "relative_scale_std": 0.0, "edge_offset_mm_std": 0.3}
+
+
 def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
-    edge = {"covariance_mm2": 0.01 * np.eye(2) + 0.3**2, "relative_scale_std": 0.0, "edge_offset_mm_std": 0.3}
-    inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)])
+    inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a", **EDGE)])
     assert inputs.std[0, inputs.places(["edge_offset", "elongation"])] == pytest.approx(
         [0.3, np.hypot(0.1 / 7, 0.1 / 5)], rel=1e-9
     )
-    (row,) = records(model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)]).table)
+    (row,) = records(modelled(contact(0, "a", **EDGE)).table)
     assert row["semi_minor_mm_std"] == pytest.approx(np.hypot(0.1, 0.3))
     assert row["semi_minor_mm_noise_std"] == pytest.approx(0.1)
     # E* goes with the cube of the contact's radius.
@@ -200,20 +209,10 @@ def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
 
 @pytest.mark.parametrize(
     ("scales", "sizes"),
-    [
-        (("a", "a", "a"), [3]),
-        (("a", "b", "b"), [1, 2]),
-        ((None, None, None), [3]),
-        (("a", None, None), [1, 2]),
-    ],
+    [("aaa", [3]), ("abb", [1, 2]), ((None, None, None), [3]), (("a", None, None), [1, 2])],
 )
-def test_images_of_one_device_share_its_edge(scales: tuple[str | None, ...], sizes: list[int]) -> None:
-    seen = [
-        contact(
-            0, scale, covariance_mm2=0.01 * np.eye(2) + 0.3**2, relative_scale_std=0.0, edge_offset_mm_std=0.3
-        )
-        for scale in scales
-    ]
+def test_images_of_one_device_share_its_edge(scales, sizes) -> None:
+    seen = [contact(0, scale, **EDGE) for scale in scales]
     exact = replace(finger(None), covariance=1e-12 * np.eye(3))
     rows = model_contacts(STUDY, {"f": exact}, seen)
     found = pooled(rows, [0, 1, 2])
@@ -224,29 +223,21 @@ def test_images_of_one_device_share_its_edge(scales: tuple[str | None, ...], siz
 
 
 @pytest.mark.parametrize(
-    ("scales", "groups"),
-    [(("a", "a", "a"), 1), (("a", "b", "b"), 2), ((None, None, None), 3), (("a", None, None), 3)],
+    ("scales", "sizes"),
+    [("aaa", [3]), ("abb", [1, 2]), ((None, None, None), [1, 1, 1]), (("a", None, None), [1, 1, 1])],
 )
-def test_contacts_share_the_error_of_a_scale_that_they_name(
-    scales: tuple[str | None, ...], groups: int
-) -> None:
+def test_contacts_share_the_error_of_a_scale_that_they_name(scales, sizes) -> None:
     seen = [contact(0, scale, covariance_mm2=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
-    rows = model_contacts(STUDY, {"f": finger(None)}, seen)
-    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
-    parts[:, :, np.flatnonzero(PART_SOURCES == "image scale")[0]] = 0.3
-    parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.4
-    found = pooled(replace(rows, parts=parts), [0, 1, 2]).fixed
+    rows = with_parts(modelled(*seen), {("image scale", 0): 0.3, ("contact ellipse", 1): 0.4})
+    found = pooled(rows, [0, 1, 2]).fixed
     assert found.std == pytest.approx(0.4 / np.sqrt(3))
-    sizes = {1: [3], 2: [1, 2], 3: [1, 1, 1]}[groups]
     shared = 0.3 * np.linalg.norm(sizes) / 3
     assert found.total_std == pytest.approx(np.hypot(found.std, shared))
 
 
 def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> None:
-    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(number) for number in (0, 4, 8)])
-    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
-    parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.1
-    rows = replace(rows, parts=parts, elongation_std=np.array([0.01, 0.02, 0.05]))
+    plain, stds = modelled(*map(contact, (0, 4, 8))), np.array([0.01, 0.02, 0.05])
+    rows = with_parts(plain, {("contact ellipse", 1): 0.1}, elongation_std=stds)
     radii = rows.table[f"{OUTPUT}_mm"].to_numpy()
     found = pooled(rows, [0, 0, 0])
     assert found.count == 1
@@ -255,11 +246,9 @@ def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> N
 
 
 def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
-    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), contact(1)])
-    parts = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
-    for source, part in [(GEOMETRY[0], 0.5), ("Poisson's ratio", 0.3), ("contact ellipse", 0.4)]:
-        parts[:, :, np.flatnonzero(source == PART_SOURCES)[-1]] = part  # of second order
-    found = pooled(replace(rows, parts=parts, elongation_std=np.zeros(2)), [0, 1])
+    second_order = {(GEOMETRY[0], -1): 0.5, ("Poisson's ratio", -1): 0.3, ("contact ellipse", -1): 0.4}
+    rows = with_parts(modelled(contact(0), contact(1)), second_order, elongation_std=np.zeros(2))
+    found = pooled(rows, [0, 1])
     assert found.fixed_geometry == pytest.approx(np.hypot(found.fixed.std, 0.3))
     assert found.std == pytest.approx(np.sqrt(found.fixed.std**2 + 0.3**2 + 0.5**2))
 
@@ -280,13 +269,10 @@ def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
         (("low_contrast", "cut_by_mask"), "corrected", False),
     ],
 )
-def test_flags_keep_contacts_from_being_pooled(
-    flags: tuple[str, ...], reviewed: str | None, counts: bool
-) -> None:
-    doubtful = contact(1, flags=flags, reviewed=reviewed)
-    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), doubtful])
-    assert [row["status"] for row in records(rows.table)] == ["measured", "measured"]
-    assert [row["pooled"] for row in records(rows.table)] == [True, counts]
+def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts) -> None:
+    rows = modelled(contact(0), contact(1, flags=flags, reviewed=reviewed))
+    assert rows.table["status"].tolist() == ["measured", "measured"]
+    assert rows.table["pooled"].tolist() == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
 
 
@@ -299,14 +285,12 @@ def test_flags_keep_contacts_from_being_pooled(
         ((), True, "blurred", False),  # what is rejected never counts
     ],
 )
-def test_a_person_decides_what_flags_would(
-    flags: tuple[str, ...], wanted: bool | None, rejected: str | None, counts: bool
-) -> None:
+def test_a_person_decides_what_flags_would(flags, wanted, rejected, counts) -> None:
     pooling = None if wanted is None else {"include": wanted, "why": "seen"}
     change = ContactCorrection.model_validate({"pooling": pooling, "rejected": rejected})
     said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling_who="A" if pooling else "")
     where, measured = contact(1, flags=flags)
-    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), (where, reviewed(measured, said))])
+    rows = modelled(contact(0), (where, reviewed(measured, said)))
     row = rows.table.iloc[1]
     assert row["pooled"] == counts
     assert row["excluding_flags"] == " ".join(flags)
@@ -335,7 +319,7 @@ def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
             contact(k, **more, load_N=load, semi_major_mm=major, semi_minor_mm=minor)
             for k, (load, (major, minor)) in enumerate(zip(loads, axes, strict=True))
         ]
-        return area_exponent(model_contacts(STUDY, {"f": finger(None)}, seen).table)
+        return area_exponent(modelled(*seen).table)
 
     (plain, scatter), (moved, _) = exponent(0.0), exponent(0.1)
     found, std = exponent(0.0, **edge)
@@ -345,9 +329,7 @@ def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
 
 
 @pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])
-def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(
-    tmp_path: Path, loads: tuple[float, ...], is_known: bool
-) -> None:
+def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(tmp_path, loads, is_known) -> None:
     majors = 6.5 * np.array(loads) ** 0.4
     (summary,) = study(tmp_path, majors=majors + [0, 0, 0.1][: len(loads)], loads=loads).summaries
     exponent = area_exponent(summary.rows)

@@ -42,10 +42,7 @@ def test_names(file, kind, known) -> None:
     new = named_file(f"uploads/{file}", kind, ())
     assert {key: getattr(new, key) for key in known} == known
     assert new.guessed == ()
-
-
-def test_the_only_finger_is_that_of_a_file_that_names_none() -> None:
-    assert named_file("IMG_1.jpg", "picture", ["left_index"]).finger == "left_index"
+    assert named_file("IMG_1.jpg", "picture", ["left_index"]).finger == "left_index"  # the only one
     assert named_file("IMG_1.jpg", "picture", ["left_index", "right_index"]).finger == ""
 
 
@@ -95,19 +92,11 @@ def test_written_scales(words, written) -> None:
 def test_what_is_stated_is_no_guess() -> None:
     new = NewFile(file="a.png", use="observation", finger="index", guessed=("use", "scale"), scale="500 ppi")
     taken, problem = stated_values(new, {"person": "S7", "face": "distal", "scale": "READER"}, ["reader"])
-    assert taken == {
-        "person": "S7",
-        "finger": "S7_index",
-        "face": "distal",
-        "use": "photograph",
-        "scale": "reader",
-        "guessed": (),
-    }
-    assert problem == ""
-    assert stated_values(new, {"scale": "other"}, ["reader"]) == (
-        {"guessed": ("use", "scale")},
-        "no scale of the study is called other",
-    )
+    known = {"person": "S7", "finger": "S7_index", "face": "distal", "use": "photograph", "scale": "reader"}
+    assert (taken, problem) == ({**known, "guessed": ()}, "")
+    kept, problem = stated_values(new, {"scale": "other"}, ["reader"])
+    assert kept == {"guessed": ("use", "scale")}
+    assert problem == "no scale of the study is called other"
 
 
 def test_edits(tmp_path) -> None:
@@ -132,7 +121,7 @@ def test_edits(tmp_path) -> None:
         synthetic=True,
     )
     assert (found.added, found.waiting) == (7, ("c.png",))
-    made = {"synthetic": True}
+    made, film = {"synthetic": True}, {"finger": "S7_ring", "scale": {"mm_per_px": 0.05}}
     contact = {"finger": "left_index", "wedge_angle_deg": 30.0, "scale": "500_ppi"}
     assert [(edit.kind, edit.key, edit.set) for edit in found.edits] == [
         ("finger", "left_index", {}),
@@ -143,17 +132,7 @@ def test_edits(tmp_path) -> None:
         ("photograph", "left_index/p.jpg", {"face": "palmar", "scale": "coin", **made}),
         ("photograph", "left_index/o.csv", {"face": "radial", "outline": "o.csv", **made}),
         ("finger", "S7_ring", {"person": "S7"}),
-        (
-            "sequence",
-            "film",
-            {
-                "finger": "S7_ring",
-                "scale": {"mm_per_px": 0.05},
-                "file": "film.avi",
-                "force": "force.csv",
-                **made,
-            },
-        ),
+        ("sequence", "film", {**film, "file": "film.avi", "force": "force.csv", **made}),
         ("curve", "0", {"finger": "S7_ring", "file": "curve.csv", **made}),
     ]
 
@@ -178,9 +157,7 @@ def test_a_study_begins_from_files(camera_files) -> None:
     contact = study["IMG_0031"]
     assert (contact["finger"], contact["wedge_angle_deg"], contact["load_N"]) == ("right_index", 45, 1.5)
     assert contact["scale"] == {"ppi": 500}
-    named = study["LI_30deg_0_5N"]
-    assert (named["finger"], named["wedge_angle_deg"], named["load_N"]) == ("left_index", 30, 0.5)
-    assert "scale" not in named  # nothing is guessed in silence
+    assert "scale" not in study["LI_30deg_0_5N"]  # nothing is guessed in silence
     assert started.taken["IMG_0031.png"] == "contact image"
     assert any("IMG_0031.png: 500 ppi as its file says" in line for line in started.guesses)
     assert "details.csv, line 3: no one file is called 'IMG_0099'" in started.guesses
@@ -192,17 +169,14 @@ def test_a_study_begins_from_files(camera_files) -> None:
     assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in started.missing)
 
 
-def test_a_file_without_a_finger_is_left(camera_files) -> None:
+def test_what_no_finger_is_stated_of_is_left(camera_files) -> None:
     started = start_study(camera_files)
     assert started.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
     assert "IMG_0031.png" not in started.taken
-
-
-def test_no_study_is_written_where_nothing_states_a_finger(camera_files) -> None:
+    (camera_files / "study.toml").unlink()
     (camera_files / "LI_30deg_0,5N.png").rename(camera_files / "IMG_0032.png")
-    with pytest.raises(
-        ManifestError, match=r"IMG_0031\.png shows, nor 1 other file: give --finger left_index"
-    ):
+    words = r"IMG_0031\.png shows, nor 1 other file: give --finger left_index"
+    with pytest.raises(ManifestError, match=words):
         start_study(camera_files)
     assert not (camera_files / "study.toml").exists()
 
@@ -232,16 +206,11 @@ def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
     assert not (tmp_path / "study.toml").exists()
     with pytest.raises(ManifestError, match="is no folder"):
         start_study(tmp_path / "none")
-    Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "a.png")
-    start_study(tmp_path)
-    with pytest.raises(ManifestError, match="there is a study already"):
-        start_study(tmp_path)
-
-
-def test_a_file_that_cannot_be_read_is_left(tmp_path) -> None:
     (tmp_path / "a.png").write_bytes(b"no picture")
     Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "b.png")
     assert "cannot be read" in start_study(tmp_path).left["a.png"]
+    with pytest.raises(ManifestError, match="there is a study already"):
+        start_study(tmp_path)
 
 
 def test_guesses_say_so() -> None:
