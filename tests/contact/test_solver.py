@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
-from fingerpad.exceptions import ConvergenceError, FingerpadError, GeometryError
+from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.geometry import Paraboloid
 
 HALF_SPACE = Tissue.of_reduced_modulus(0.1)
@@ -100,12 +100,6 @@ def test_thick_layer_equals_half_space() -> None:
     assert_allclose([deep.indentation, deep.area], [half_space.indentation, half_space.area], rtol=1e-4)
 
 
-def test_thin_incompressible_layer_limit() -> None:
-    ratios = [on_layer(t, 0.5, indentation=0.1).area_over_pi_indentation / RADIUS for t in (1.0, 0.5, 0.25)]
-    assert (np.diff(ratios) > 0.2).all()
-    assert ratios[-1] < 4
-
-
 @pytest.mark.parametrize("thickness", [math.inf, 4.0])
 def test_load_is_derivative_of_energy(thickness: float) -> None:
     lower, middle, upper = (on_layer(thickness, 0.48, indentation=x) for x in (0.495, 0.5, 0.505))
@@ -151,24 +145,20 @@ def test_agrees_with_tamaas() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "error", "message"),
+    ("given", "message"),
     [
-        ({}, GeometryError, "give exactly one of load, area, indentation, found 0"),
-        ({"load": 1.0, "area": 1.0}, GeometryError, "found 2"),
-        ({"load": 0.0}, GeometryError, "load must be positive and finite, found 0"),
-        ({"area": math.nan}, GeometryError, "area must be positive and finite, found nan"),
-        ({"load": 1.0, "points": 40}, GeometryError, "points must be at least 64, found 40"),
-        ({"load": 100.0}, GeometryError, "would press through the layer's thickness of 2"),
+        ({}, "give exactly one of load, area, indentation, found 0"),
+        ({"load": 1.0, "area": 1.0}, "found 2"),
+        ({"load": 0.0}, "load must be positive and finite, found 0"),
+        ({"area": math.nan}, "area must be positive and finite, found nan"),
+        ({"load": 1.0, "points": 40}, "points must be at least 64, found 40"),
+        ({"load": 100.0}, "would press through the layer's thickness of 2"),
+        ({"thickness": 0.1, "indentation": 0.06}, r"a tenth of the contact's mean radius 1\..*, found 0.1"),
     ],
 )
-def test_invalid_arguments(given: dict[str, float], error: type[FingerpadError], message: str) -> None:
-    with pytest.raises(error, match=message):
-        on_layer(2.0, 0.3, **given)
-
-
-def test_too_thin_layer_refused() -> None:
-    with pytest.raises(GeometryError, match=r"a tenth of the contact's mean radius 1\..*, found 0.1"):
-        on_layer(0.1, 0.3, indentation=0.06, points=64)
+def test_invalid_arguments(given: dict[str, float], message: str) -> None:
+    with pytest.raises(GeometryError, match=message):
+        on_layer(**{"thickness": 2.0, "poisson_ratio": 0.3, "points": 64, **given})
 
 
 @pytest.mark.parametrize("given", [{"indentation": 1.0}, {"area": 31.4159}, {"load": 0.42164}])

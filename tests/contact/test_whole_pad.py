@@ -102,6 +102,8 @@ def test_one_contact_at_a_time() -> None:
     for placement, tissue in ((two, SOFT), (two[0], Tissue([0.1, 0.2]))):
         with pytest.raises(GeometryError, match=r"one contact is solved at a time.*place\[0\]"):
             solve_contact(placement, tissue, load=1.0)
+    with pytest.raises(GeometryError, match=r"load of shape \(2,\): loop over them"):
+        solve_contact(PLACEMENT, SOFT, load=[1.0, 2.0])
     one = Placement(PAD, wedge_angle=np.radians(45))
     solved = [solve_contact(each, SOFT, load=1.0, points=64).area for each in (two[1], one)]
     assert solved[0] == solved[1]

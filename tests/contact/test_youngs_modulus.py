@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
+from fingerpad.contact import Tissue, fast_contact, youngs_modulus
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 
@@ -15,15 +15,6 @@ PLACEMENT = Placement(
     wedge_angle=np.radians(30.0),
     roll_angle=np.radians(8.0),
 )
-
-
-@pytest.mark.parametrize("thickness", [8.0, math.inf])
-def test_finds_the_modulus_that_the_solver_was_given(thickness) -> None:
-    solved = solve_contact(PLACEMENT, Tissue(0.07, 0.48, thickness), load=1.5, points=64)
-    for name in ("area", "indentation"):
-        given = {name: getattr(solved, name)}
-        found = youngs_modulus(PLACEMENT, load=1.5, thickness=thickness, poisson_ratio=0.48, **given)
-        assert found == pytest.approx(0.07, rel=0.006)
 
 
 @pytest.mark.parametrize("thickness", [8.0, math.inf])
@@ -56,14 +47,10 @@ def test_bone_lowers_the_modulus_and_raises_the_loading_radius() -> None:
 )
 def test_nan_where_the_laws_say_why(change, flag) -> None:
     given = {"thickness": 8.0, "area": 110.0, "poisson_ratio": 0.5} | change
+    assert all(math.isnan(youngs_modulus(PLACEMENT, load=load, **given)) for load in (0.0, -1.0, math.nan))
     assert math.isnan(youngs_modulus(PLACEMENT, load=2.0, **given)) == bool(flag)
     area = given.pop("area")
     assert fast_contact(PLACEMENT, Tissue(1.0, **given), area=area).flags == flag
-
-
-@pytest.mark.parametrize("load", [0.0, -1.0, math.nan])
-def test_no_modulus_without_a_load(load: float) -> None:
-    assert math.isnan(youngs_modulus(PLACEMENT, load=load, area=110.0))
 
 
 def test_impossible_arguments() -> None:

@@ -14,12 +14,6 @@ def test_published_ellipses() -> None:
     assert_allclose(ellipse.area, [69.93, 116.24], atol=5e-3)
 
 
-def test_circle() -> None:
-    circle = Ellipse(3, 3)
-    assert circle.eccentricity == 0
-    assert circle.axis_ratio == 1
-
-
 @pytest.mark.parametrize(
     ("axes", "message"),
     [

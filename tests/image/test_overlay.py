@@ -93,12 +93,6 @@ def test_label_in_corner(made, within):
     assert (changed.max(axis=0) < within).all()
 
 
-def test_large_deep_photographs_are_reduced():
-    truth, found = photograph()
-    large = truth.pixels.astype(np.uint16).repeat(3, axis=0).repeat(3, axis=1) * 257
-    assert max(draw_overlay(large, found).shape) == 1100
-
-
 def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
     written = []
 

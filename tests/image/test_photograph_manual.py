@@ -11,7 +11,6 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.flags import FLAGS
 from fingerpad.image import (
     Scale,
-    combine_faces,
     measure_photograph,
     photograph_from_ellipse,
     with_marked_points,
@@ -75,17 +74,6 @@ def test_fit_round_trip():
     assert again.flags == {"fitted_manually"} <= set(FLAGS["photograph"])
 
 
-def test_manual_face_combines_with_others():
-    scale = Scale(0.05)
-    faces = [
-        photograph_from_ellipse(face, scale, centre=(300, 300), semi_axes=axes).face_semi_axes
-        for face, axes in (("palmar", (236, 276)), ("distal", (236, 158)), ("radial", (158, 276)))
-    ]
-    joint = combine_faces(faces)
-    assert (joint.palmar, joint.distal, joint.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8))
-    assert joint.chi_square == pytest.approx(0, abs=1e-9)
-
-
 @pytest.mark.parametrize("fit", [found, placed])
 def test_covariance_is_the_sum_of_named_terms(fit):
     seen = fit()
@@ -133,20 +121,6 @@ def test_wart_erased():
     assert {"fitted_manually"} <= clean.flags
 
 
-def test_marks_extend_arc():
-    """Half of the arc rubbed out and marked again by a few exact points of the true ellipse."""
-    row, column = found().centre
-    rest = found().points[found().points[:, 1] > column]
-    short = with_marked_points(found(), erased=[(rest, 1.0)])
-    ellipse = found().ellipse_points(721)
-    marks = ellipse[(ellipse[:, 1] > column) & (ellipse[:, 0] < row)][::20]
-    longer = with_marked_points(short, added=marks)
-    assert longer.arc_deg > short.arc_deg + 40
-    for name, std in longer.semi_axes_mm_std.items():
-        assert std < short.semi_axes_mm_std[name]
-        assert longer.semi_axes_mm[name] == pytest.approx(found().semi_axes_mm[name], rel=0.01)
-
-
 def stds(fit):
     return np.append(np.sqrt(np.diagonal(fit.covariance)) / fit.semi_axes, fit.tilt_std)
 
@@ -173,6 +147,9 @@ def test_flags_are_those_of_the_arc_that_is_left():
     longer = with_marked_points(short, added=marks)
     assert longer.arc_deg > 120
     assert "short_arc" not in longer.flags
+    for name, std in longer.semi_axes_mm_std.items():
+        assert std < short.semi_axes_mm_std[name]
+        assert longer.semi_axes_mm[name] == pytest.approx(found().semi_axes_mm[name], rel=0.01)
 
 
 def marked(**edits):
@@ -185,8 +162,6 @@ def marked(**edits):
         (lambda: placed(semi_axes=(0, 5)), "two positive semi-axes"),
         (lambda: placed(centre=(math.nan, 5)), "finite centre"),
         (lambda: placed(palmar="up"), "leave palmar out"),
-        (lambda: placed(face="dorsal"), "face must be one of"),
-        (lambda: placed(tip="north"), "tip must be one of"),
         (lambda: marked(added=[1, 2, 3]), "pairs"),
         (lambda: marked(added=[(1, math.inf)]), "finite"),
         (lambda: marked(added=[(1e200, 5)]), "within 1000000 px"),

@@ -8,12 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image import Picture, Scale, measure_contact_image
-from fingerpad.simulate import render_contact_image
-
-
-def test_500_ppi():
-    assert Scale.of_ppi(500).mm_per_px == pytest.approx(0.0508)
+from fingerpad.image import Picture, Scale
 
 
 @given(st.floats(1, 1e4), st.floats(0, 0.1))
@@ -24,8 +19,18 @@ def test_constructors_agree(ppi, relative):
     assert by_ppi.relative_std == pytest.approx(inch.relative_std, abs=1e-12)
 
 
-def test_line_length():
-    assert Scale.of_line(10, (0, 0), (30, 40)).mm_per_px == pytest.approx(0.2)
+@pytest.mark.parametrize(("end", "words"), [((5, 5), "two different ends"), ((5, math.nan), "end")])
+def test_lines_that_are_none_are_refused(end, words):
+    with pytest.raises(CalibrationError, match=words):
+        Scale.of_line(10, (5, 5), end)
+
+
+def test_length_of_a_line_between_other_places():
+    scale = Scale.of_line(50.0, (0, 0), (300, 400), length_mm_std=0.5)
+    # The line itself, to what it was given.
+    assert scale.length((0, 0), (300, 400)) == (pytest.approx(50.0), pytest.approx(0.5))
+    assert scale.length((7, 7), (7, 7), point_px_std=1.0) == (0.0, pytest.approx(math.sqrt(2) * 0.1))
+    assert scale.ppi == pytest.approx(254.0)
 
 
 def test_line_end_uncertainty():
@@ -57,16 +62,6 @@ def test_invalid_uncertainties(bad):
         Scale(0.05, bad)
 
 
-def test_line_without_length_refused():
-    with pytest.raises(CalibrationError, match="two different ends"):
-        Scale.of_line(10, (5, 5), (5, 5))
-
-
-def test_nonfinite_line_refused():
-    with pytest.raises(CalibrationError, match="end"):
-        Scale.of_line(10, (5, 5), (5, math.nan))
-
-
 def picture(ppi, pixels=None):
     return Picture(pixels=np.zeros((9, 9), np.uint8) if pixels is None else pixels, dots_per_inch=ppi)
 
@@ -84,13 +79,6 @@ def test_resolution_of_file():
 def test_missing_and_placeholder_resolutions_refused(ppi, words):
     with pytest.raises(CalibrationError, match=words):
         Scale.of_picture(picture(ppi))
-
-
-def test_wrong_resolution_flagged():
-    pixels = render_contact_image(semi_major=7, semi_minor=6, seed=1).pixels
-    for ppi, doubtful in ((500, False), (1200, True), (150, True)):
-        contact_image = measure_contact_image(pixels, Scale.of_picture(picture(ppi, pixels)))
-        assert ("scale_doubtful" in contact_image.flags) == doubtful
 
 
 def rim(angles, radius=150.0, centre=(200.0, 260.0)):

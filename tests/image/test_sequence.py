@@ -77,12 +77,9 @@ def test_area_accuracy(results, press):
     assert np.std(errors) < 0.008
 
 
-def test_loads_of_frames(results):
+def test_times_loads_and_phases_of_frames(results):
     np.testing.assert_allclose([r.time for r in results], TIME, atol=1e-3)
     np.testing.assert_allclose([r.load for r in results], true_load(TIME), atol=0.02)
-
-
-def test_phases_from_force(results):
     expected = [(0.2, "before"), (0.8, "loading"), (1.5, "hold"), (2.1, "unloading")]
     assert [results[round(FPS * time)].phase for time, _ in expected] == [phase for _, phase in expected]
 
@@ -265,12 +262,6 @@ def test_noise_is_no_contact():
         measure_contact_image(noisy.pixels(0), SCALE, **settings.settings)
 
 
-def test_light_on_dark():
-    press = render_sequence([0, 1.0, 1.2, 1.4], look="prism", seed=5)
-    frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(4)]
-    assert not estimate_settings(frames, SCALE).settings["dark_on_light"]
-
-
 def test_watch_called_for_each_measurement(frames, settings):
     seen = []
     results = list(
@@ -319,14 +310,6 @@ def test_force_needs_clock(frames, signal):
 def test_invalid_presses(bad):
     with pytest.raises(ValueError, match="load|radius"):
         render_sequence(**bad)
-
-
-def test_rendered_area_is_hertz_area(press):
-    dark = press.pixels(30) < 140
-    rows, columns = np.nonzero(dark)
-    spread = (np.ptp(rows), np.ptp(columns))
-    expected = 2 * np.array([press.semi_major[30], press.semi_minor[30]]) / SCALE.mm_per_px
-    np.testing.assert_allclose(spread, expected, rtol=0.04)
 
 
 def test_generator_refused(frames):

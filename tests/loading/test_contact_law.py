@@ -55,7 +55,8 @@ def record(
 
 
 def test_own_law_is_fitted_and_preferred() -> None:
-    law = stiffening()
+    earlier, law = stiffening(), stiffening()  # as of a cell that is run again
+    assert LAWS["stiffening"] is law is not earlier
     truth = {"youngs_modulus": 0.04, "stiffening": 2.0}
     fit = fp.fit_loading_curve(record(law, **truth), law="stiffening")
     assert fit.law is not None
@@ -121,9 +122,7 @@ LOAD = "lambda x, *, youngs_modulus: youngs_modulus * "
     ("declared", "function", "said"),
     [
         ({}, LOAD + "max(x, 0)", "must work on arrays"),
-        ({}, LOAD + "math.sqrt(x)", "must work on arrays"),
         ({}, LOAD + "float(x.max())", "shape () as load of 6 indentations"),
-        ({}, LOAD + "x[:3]", "shape (3,)"),
         ({}, LOAD + "x / x.max()", "another load for one indentation"),
         ({}, LOAD + "np.log(x)", "gives the load -inf at an indentation of 0 mm"),
         ({}, LOAD + "(1 + x)", "at no indentation, where it must be zero"),
@@ -155,11 +154,6 @@ def test_bad_registration(declared, function, said) -> None:
         contact_law(**{**MODULUS, "name": "mine", **declared})(made)
     assert "mine" in str(fault.value) or "bounds of" in str(fault.value) or "name" in declared
     assert "mine" not in LAWS
-
-
-def test_cell_that_is_run_again_replaces_its_law() -> None:
-    first, second = stiffening(), stiffening()
-    assert LAWS["stiffening"] is second is not first
 
 
 def test_rubbish_in_the_search_is_a_reason() -> None:

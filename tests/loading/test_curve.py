@@ -19,17 +19,11 @@ def write(folder: Path, text: str) -> Path:
     return path
 
 
-def test_units_from_header(tmp_path: Path) -> None:
-    path = write(tmp_path, "area_cm2,time_s,force_mN,displacement_um\n0.5,0,100,20\n1,1,2000,1500\n")
-    curve = read_loading_curve(path)
-    assert_allclose(curve.load, [0.1, 2.0])
-    assert_allclose(curve.indentation, [0.02, 1.5])
-    assert_allclose(curve.area, [50.0, 100.0])
-
-
 @pytest.mark.parametrize(
     ("header", "rows"),
     [
+        ("gross_area_cm2,time_s,force_mN,displacement_um", "0.05,0,100,20\n0.6,1,2000,1500"),
+        ("time_s\tforce_N\tdisplacement_mm\tarea_mm2", "0\t0,1\t0,02\t5\n1\t2\t1,5\t60"),
         ("Time (s),Force (mN),Disp [um],Area (mm^2)", "0,100,20,5\n1,2000,1500,60"),
         ("Time / ms,Load / mN,Displacement / μm,Contact area / mm²", "0,100,20,5\n1000,2000,1500,60"),
         ("Time/s;Force/N;Disp/µm;Area/cm2", "0;0,1;20;0,05\n1;2;1500;0,6"),
@@ -72,13 +66,6 @@ def test_of_two_columns_that_may_be_the_force_none_is_chosen(tmp_path: Path) -> 
 def test_a_column_that_is_no_force_is_none(tmp_path: Path) -> None:
     path = write(tmp_path, "load cell,load_cell,force_N,disp_V,displacement_mm\n7,8,1,9,2\n")
     assert (read_loading_curve(path).load[0], read_loading_curve(path).indentation[0]) == (1, 2)
-
-
-@pytest.mark.parametrize("mark", [";", "\t"])
-def test_decimal_commas_between_semicolons_or_tabs(tmp_path: Path, mark: str) -> None:
-    rows = (("time_s", "force_N", "displacement_mm"), ("0", "0,25", "1,5"), ("1", "1,75", "2"))
-    curve = read_loading_curve(write(tmp_path, "\n".join(map(mark.join, rows))))
-    assert_allclose([curve.load, curve.indentation], [[0.25, 1.75], [1.5, 2]])
 
 
 @pytest.mark.parametrize(
@@ -140,12 +127,6 @@ def test_columns_that_look_like_what_is_missing(
     assert unread_curve_columns(path) == unread
 
 
-def test_columns_can_be_named(tmp_path: Path) -> None:
-    path = write(tmp_path, "\ufeffFz,stage position\n500,3\n")
-    curve = read_loading_curve(path, {"force": "Fz:mN", "displacement": "stage position:mm"})
-    assert_allclose([curve.load[0], curve.indentation[0]], [0.5, 3.0])
-
-
 def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path, "force_N,Fz_N,displacement_mm\n1,10,3\n")
     with pytest.raises(LoadingError, match="no quantity 'load'; there are force, displacement, area, time"):
@@ -169,7 +150,7 @@ def test_a_unit_that_contradicts_the_header_is_refused(tmp_path: Path, header: s
 
 
 def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path) -> None:
-    path = write(tmp_path, "Kanal_N,disp (µm)\n1,2\n")  # N may number the channel
+    path = write(tmp_path, "\ufeffKanal_N,disp (µm)\n1,2\n")  # N may number the channel
     assert read_loading_curve(path, {"force": "Kanal_N:mN", "displacement": "disp (µm):um"}).load[0] == 1e-3
 
 
@@ -177,11 +158,7 @@ def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path
     ("text", "message"),
     [
         ("", "holds no data"),
-        ("force_N,displacement_mm\n", "holds no data"),
         ("force_N,area_mm2\n1,2\n", "no column displacement_mm; found force_N, area_mm2"),
-        ("load,displacement_mm\n1,2\n", "no column force_N; found load, displacement_mm"),
-        ("force_lb,displacement_mm\n1,2\n", "column 'force_lb' has unit 'lb'; force is read in N, mN"),
-        ("force_N,displacement_kPa\n1,2\n", "column 'displacement_kPa' has unit 'kPa'"),
         ("force_N,displacement_mm\n1,2\nx,3\n", "line 3, column 'force_N': 'x' is not a finite number"),
         ("force_N,displacement_mm,area_mm2\n1,2,\n2,3,\n", "'area_mm2' is empty: leave the column out"),
         (
@@ -193,7 +170,6 @@ def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path
             "Load (lbf),displacement_mm\n1,2\n",
             r"'Load \(lbf\)' has unit 'lbf'; force is read in N, mN.*rename",
         ),
-        ("force_N,displacement_mm\n1,nan\n", "line 2, column 'displacement_mm': 'nan' is not a finite"),
         ("force_N,displacement_mm\n1,2\n\n5\n", "line 4, column 'displacement_mm': '' is not a finite"),
     ],
 )
@@ -214,12 +190,6 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read_loading_curve(path, {"force": "Fz:N"})
     with pytest.raises(LoadingError, match="has unit 'stone'"):
         read_loading_curve(path, {"force": "force_N:stone"})
-
-
-def test_the_gross_area_of_other_tables_of_ours_is_an_area(tmp_path) -> None:
-    path = tmp_path / "press.csv"
-    path.write_text("force_N,displacement_mm,gross_area_mm2\n0,0,0\n1,2,30\n")
-    assert read_loading_curve(path).area.tolist() == [0, 30]
 
 
 def test_a_record_of_the_way_out_alone_is_named() -> None:

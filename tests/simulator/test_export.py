@@ -66,10 +66,14 @@ def read_vtk(folder):
     return 1000 * mesh.points, mesh.cells_dict["tetra"]
 
 
+def volumes_of(points, cells):
+    a, b, c, d = (points[cells[:, place]] for place in range(4))
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
 def test_tetrahedra_for_drake(law, folder) -> None:
     points, cells = read_vtk(folder)
-    a, b, c, d = (points[cells[:, place]] for place in range(4))
-    volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    volumes = volumes_of(points, cells)
     assert (volumes > 0).all()
     assert volumes.sum() == pytest.approx(VOLUME, rel=0.005)
     on_surface = np.linalg.norm(points / PAD.semi_axes, axis=1) > 1e-9
@@ -109,24 +113,8 @@ def test_surface_is_closed_and_curved_as_the_pad(folder) -> None:
     along = np.array([-PLACE.normal[1], PLACE.normal[0], 0]) / math.hypot(*PLACE.normal[:2])
     near = points[np.linalg.norm(points - PLACE.point, axis=1) < 4] - PLACE.point
     x, y, z = near @ along, near @ np.cross(PLACE.normal, along), near @ PLACE.normal
-    terms = np.stack(
-        [
-            x * x,
-            x * y,
-            y * y,
-            x,
-            y,
-            np.ones_like(x),
-            x**3,
-            x * x * y,
-            x * y * y,
-            y**3,
-            x**4,
-            y**4,
-            (x * y) ** 2,
-        ],
-        1,
-    )
+    powers = [(2, 0), (1, 1), (0, 2), *((i, j) for i in range(5) for j in range(5 - i) if i + j != 2)]
+    terms = np.stack([x**i * y**j for i, j in powers], axis=1)
     fitted = np.linalg.lstsq(terms, -z, rcond=None)[0]
     gaussian = 4 * fitted[0] * fitted[2] - fitted[1] ** 2
     assert fitted[0] + fitted[2] == pytest.approx(float(PLACE.curvature.mean_curvature), rel=0.02)
@@ -136,8 +124,7 @@ def test_surface_is_closed_and_curved_as_the_pad(folder) -> None:
 def test_finite_elements(folder) -> None:
     mesh = meshio.read(folder / "finger.inp")
     cells, points = mesh.cells_dict["tetra10"], mesh.points
-    a, b, c, d = (points[cells[:, place]] for place in range(4))
-    volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    volumes = volumes_of(points, cells)
     assert (volumes > 0).all()
     # Columns of tissue along the plate's normal: the skin's shadow on the plate times the thickness.
     skin = points[mesh.point_sets["SKIN"]]
@@ -175,27 +162,20 @@ def test_table_and_words(law, folder) -> None:
     assert table.dtype.names == ("depth_m", "pressure_Pa", "pressure_Pa_std")
     assert table["pressure_Pa"] == pytest.approx(law.pressure_by_depth().pressure)
     words = (folder / "README.md").read_text(encoding="utf-8")
-    for expected in (
+    for part in (
         "8.6 × 15.1 × 10.4 mm",
         "wedge of 41°, roll 12°",
         "5.5 mm of tissue",
         "0.2 to 3 N",
         "finger.inp",
     ):
-        assert expected in words
+        assert part in words
 
 
-BAD = {
-    "thin": (lambda: layer_mesh(PLACE, 0.1), "thickness must be finite and at least"),
-    "deep": (lambda: layer_mesh(PLACE, math.inf), "thickness must be finite"),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_thickness_that_the_mesh_cannot_take(name) -> None:
-    call, message = BAD[name]
-    with pytest.raises(fp.FingerpadError, match=message):
-        call()
+@pytest.mark.parametrize("thickness", [0.1, math.inf])
+def test_thickness_that_the_mesh_cannot_take(thickness) -> None:
+    with pytest.raises(fp.FingerpadError, match="thickness must be finite and at least"):
+        layer_mesh(PLACE, thickness)
 
 
 def test_without_meshio_nothing_is_written(law, tmp_path, monkeypatch) -> None:

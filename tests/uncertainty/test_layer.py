@@ -69,13 +69,6 @@ def test_budget_of_the_thickness_is_its_own_effect(name: str) -> None:
     assert propagate(layer_model, inputs(std=0.0)).budget(name)["thickness"] == 0
 
 
-def test_first_order_agrees_with_monte_carlo() -> None:
-    first = propagate(layer_model, inputs())
-    drawn = run_monte_carlo(layer_model, inputs(), seed=1, max_draws=100_000)
-    assert_allclose(first.std, drawn.std, rtol=0.03)
-    assert drawn.undefined == 0
-
-
 def test_an_uncertain_thickness_counts_more_for_the_loading_radius_than_for_the_modulus() -> None:
     found = propagate(layer_model, inputs())
     shares = {name: found.budget(name)["thickness"] for name in LAYER_OUTPUTS}

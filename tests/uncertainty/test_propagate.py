@@ -7,34 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from tests.uncertainty.pads import EXACT, PAD
 
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, propagate
 from fingerpad.uncertainty.models import pad_inputs
 
-PAD: dict[str, Any] = {
-    "palmar": (7.9, 0.1),
-    "distal": (13.8, 0.12),
-    "radial_ulnar": (11.8, 0.08),
-    "wedge_angle": (np.radians(30), np.radians(0.5)),
-    "roll_angle": (0.05, np.radians(1)),
-    "poisson_ratio": (0.5, 0.01),
-    "image_scale": (1.0, 0.01),
-    "edge_offset": (0.0, 0.06),
-    "load": (2.0, 0.02),
-    "semi_major": (7.4, 0.1),
-    "semi_minor": (5.0, 0.1),
-    "radius_deviation": (0.0, 0.015),
-    "elongation_deviation": (0.0, 0.03),
-}
-EXACT = {name: float(pair[0]) for name, pair in PAD.items()}
 CIRCLE = {**EXACT, "semi_major": 5.0}
 
 
 def observed(
-    palmar: Any,
-    distal: Any,
-    radial_ulnar: Any,
     image_scale: Any,
     edge_offset: Any,
     semi_major: Any,
@@ -49,9 +31,6 @@ def observed(
         for axis, sign in ((semi_major, 1), (semi_minor, -1))
     ]
     return pad_model(
-        palmar=palmar,
-        distal=distal,
-        radial_ulnar=radial_ulnar,
         contact_radius=np.sqrt(ellipse[0] * ellipse[1]),
         elongation=np.log(ellipse[0] / ellipse[1]),
         image_scale=1.0,
@@ -144,29 +123,6 @@ def test_jacobian_agrees_with_finite_differences(quantities: dict[str, float]) -
         step = 1e-4 * np.eye(mean.size)[column]
         outer, inner = at(2 * step) - at(-2 * step), at(step) - at(-step)
         assert_allclose(result.jacobian[:, column], (8 * inner - outer) / 12e-4, rtol=1e-8, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"load": (2.0, -0.1)}, "standard uncertainty of load must be positive or zero, found -0.1"),
-        ({"load": (2.0, np.nan)}, "covariance must be finite"),
-        ({"correlations": {("palmar", "distl"): 0.9}}, "no input 'distl'; there are palmar, distal,"),
-        (
-            {
-                "correlations": {
-                    ("palmar", "distal"): 0.9,
-                    ("distal", "radial_ulnar"): 0.9,
-                    ("palmar", "radial_ulnar"): -0.9,
-                }
-            },
-            "smallest eigenvalue",
-        ),
-    ],
-)
-def test_invalid_pad_quantities(changed: dict[str, Any], message: str) -> None:
-    with pytest.raises(UncertaintyError, match=message):
-        pad_uncertainty(**{**PAD, **changed})
 
 
 def test_a_pad_whose_radii_deviate_from_the_ellipsoids() -> None:
