@@ -6,10 +6,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from benchmarks import ROOT
+from benchmarks.arrays import Array
 from benchmarks.claims.fast_laws import SERIES, Circles, silhouette_radius
 from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
-from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
 from fingerpad.published import fit_tissue_thickness
@@ -181,7 +181,7 @@ def _area_panel(axes: Axes, angle: int, wedge: PublishedWedge) -> None:
     last, thickness = wedge.area_mm2.value, fit_tissue_thickness().thickness_mm
     area = np.linspace(0, last, 200)[1:]
 
-    def whole_pad(depth: float) -> FloatArray:
+    def whole_pad(depth: float) -> Array:
         return np.pi * fast_contact(placement, Tissue(1.0, thickness=depth), area=area).indentation
 
     paraboloid = np.pi * hertz_contact(placement, Tissue(1.0), area=area).indentation

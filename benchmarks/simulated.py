@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray
+from benchmarks.arrays import Array
+from fingerpad._arrays import ArrayLike
 from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
@@ -16,7 +17,7 @@ EXACT = 1e-9
 
 
 def study_of(
-    fingers: Mapping[str, str | None], axes: FloatArray, std: float = EXACT, **uncertainty: float
+    fingers: Mapping[str, str | None], axes: Array, std: float = EXACT, **uncertainty: float
 ) -> Study:
     """Return a study of fingers, each with its person, of one pad; angles are exact unless they are given."""
     exact = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
@@ -34,7 +35,7 @@ def study_of(
     return Study.model_validate(manifest)
 
 
-def finger(name: str, axes: FloatArray, std: float = EXACT, **more: Any) -> FingerResult:
+def finger(name: str, axes: Array, std: float = EXACT, **more: Any) -> FingerResult:
     """Return a finger whose semi-axes were given."""
     return FingerResult(name=name, semi_axes=axes, covariance=std**2 * np.eye(3), source="given", **more)
 
@@ -43,7 +44,7 @@ def contact(
     name: str,
     load: float,
     axes: ArrayLike,
-    covariance: FloatArray,
+    covariance: Array,
     *,
     measured_load: float | None = None,
     finger: str = "f",

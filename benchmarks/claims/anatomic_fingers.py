@@ -5,8 +5,8 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array
 from benchmarks.claims.finger_shapes import SIDES
 from benchmarks.tables import Row, errors_table
 from benchmarks.truth.anatomic_fingers import FACES, WEDGES_DEG, AnatomicFinger, fingers
@@ -16,12 +16,7 @@ from fingerpad.image.photograph.faces import SEMI_AXES
 from fingerpad.study.measuring.fingers import ELLIPSOID_STD, radius_deviation
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 
-Array = npt.NDArray[np.float64]
-
-TITLES: Final = (
-    "Radius along the finger, faces combined",
-    "Mean radius of curvature, 1/H, faces combined",
-)
+TITLES: Final = ("Radius along the finger, faces combined", "Mean radius of curvature, 1/H, faces combined")
 
 
 def measure(truth: AnatomicFinger) -> dict[Face, PhotographFit]:

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.tables import share, table
-from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.uncertainty.press_slope import PressSlope
 
 EXPONENT: Final = 2 / 3
@@ -21,24 +21,24 @@ LOG_LOAD: Final = np.log(np.linspace(0.1, 2, 200))
 
 
 @cache
-def _correlated(length: float, size: int) -> FloatArray:
+def _correlated(length: float, size: int) -> Array:
     """Return what makes a smooth error of independent numbers."""
     x = np.linspace(0, 1, size)
     covariance = np.exp(-((x[:, None] - x) ** 2) / (2 * length**2)) + 1e-9 * np.eye(size)
-    return as_float_array(np.linalg.cholesky(covariance))
+    return np.linalg.cholesky(covariance)
 
 
-def smooth(length: float, rng: np.random.Generator, size: int = LOG_LOAD.size) -> FloatArray:
+def smooth(length: float, rng: Rng, size: int = LOG_LOAD.size) -> Array:
     """Return an error of unit size that changes over a share of the press."""
-    return as_float_array(_correlated(length, size) @ rng.normal(size=size))
+    return _correlated(length, size) @ rng.normal(size=size)
 
 
-def independent(rng: np.random.Generator) -> FloatArray:
+def independent(rng: Rng) -> Array:
     """Return an error of unit size of each frame."""
     return rng.normal(size=LOG_LOAD.size)
 
 
-def autoregressive(rng: np.random.Generator) -> FloatArray:
+def autoregressive(rng: Rng) -> Array:
     """Return an error of unit size of which each frame keeps 0.95."""
     error = independent(rng)
     for k in range(1, error.size):
@@ -46,14 +46,14 @@ def autoregressive(rng: np.random.Generator) -> FloatArray:
     return error
 
 
-ERRORS: Final[dict[str, Callable[[np.random.Generator], FloatArray]]] = {
+ERRORS: Final[dict[str, Callable[[Rng], Array]]] = {
     "of each frame": independent,
     "each frame keeps 0.95": autoregressive,
     **{f"smooth over {length} of the press": partial(smooth, length) for length in (0.1, 0.2, 0.4, 0.8)},
 }
 
 
-def held(kind: str, presses: int, repeats: int, stated: float = ERROR) -> tuple[FloatArray, FloatArray]:
+def held(kind: str, presses: int, repeats: int, stated: float = ERROR) -> tuple[Array, Array]:
     """Return whether ± 2 standard uncertainties hold the exponent, ours and those of independent frames."""
     load, item = np.tile(LOG_LOAD, presses), np.repeat(np.arange(presses), LOG_LOAD.size)
     found = []

@@ -19,9 +19,9 @@ from scipy.optimize import brentq
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from benchmarks.arrays import Array
 from benchmarks.tables import table
 from fingerpad import Ellipsoid, Placement
-from fingerpad._arrays import FloatArray
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.contact.grid import contact_outline
 from fingerpad.contact.influence import influence as uniform_influence
@@ -46,7 +46,7 @@ class Bone:
     depth: float
     round_top: bool = False
 
-    def top(self, x: FloatArray) -> FloatArray:
+    def top(self, x: Array) -> Array:
         """Return the depth of the plane of the mesh that has its top, x across the finger."""
         flat = np.full_like(x, self.depth)
         if not self.round_top:
@@ -74,7 +74,7 @@ class Contact(NamedTuple):
 
 
 @cache
-def _system(bone: Bone, side: float) -> tuple[csc_array, FloatArray]:
+def _system(bone: Bone, side: float) -> tuple[csc_array, Array]:
     """Return the stiffness for E* = 1, component by component, and the places of its nodes.
 
     The mesh has a plane that follows the bone's top; changes of volume are integrated with fewer points, so
@@ -103,7 +103,7 @@ def _system(bone: Bone, side: float) -> tuple[csc_array, FloatArray]:
     return csc_array((shear + volume)[rows][:, rows]), full.doflocs[:, rows[: rows.size // 3]]
 
 
-def _flexibility(bone: Bone, side: float, *, with_bone: bool) -> FloatArray:
+def _flexibility(bone: Bone, side: float, *, with_bone: bool) -> Array:
     """Return mean displacements of cells under unit force on cells, of a quarter with its symmetry.
 
     Cells are half as wide as elements.
@@ -125,11 +125,11 @@ def _flexibility(bone: Bone, side: float, *, with_bone: bool) -> FloatArray:
     across, along = (weights[np.rint(2 * one[surface] / side).astype(int)] for one in (x, y))
     loads[2 * x.size + surface] = np.einsum("ni,nj->nij", across, along).reshape(surface.size, -1)
     factors = splu(stiffness[free][:, free], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    return np.asarray(loads[free].T @ factors.solve(loads[free]))
+    return loads[free].T @ factors.solve(loads[free])
 
 
 @cache
-def influence(bone: Bone, side: float) -> FloatArray:
+def influence(bone: Bone, side: float) -> Array:
     """Return displacements of the contact's cells under unit pressure on cells and their images; E* = 1."""
     cell = _REACH / _CELLS
     kernel = uniform_influence((cell, cell), (2 * _CELLS, 2 * _CELLS), BASE, POISSON)
@@ -144,10 +144,10 @@ def influence(bone: Bone, side: float) -> FloatArray:
     finer = np.einsum(
         "ai,bj,ijkl,ck,dl->abcd", even, even, change.reshape(4 * (n,)), even, even, optimize=True
     )
-    return np.asarray((exact + finer * cell**2).reshape(_CELLS**2, _CELLS**2))
+    return (exact + finer * cell**2).reshape(_CELLS**2, _CELLS**2)
 
 
-def solve(flexibility: FloatArray, gap: FloatArray, indentation: float, depth: float) -> Contact:
+def solve(flexibility: Array, gap: Array, indentation: float, depth: float) -> Contact:
     """Solve the contact of a quarter at an indentation, by active sets."""
     overlap = indentation - gap.reshape(-1)
     active, pressure = overlap > 0.3 * indentation, np.zeros(overlap.size)
@@ -168,7 +168,7 @@ def solve(flexibility: FloatArray, gap: FloatArray, indentation: float, depth: f
     return Contact(float(whole.sum()) * (_REACH / _CELLS) ** 2, indentation, outline.area, along_over_across)
 
 
-def _moment(polygon: FloatArray, axis: int) -> float:
+def _moment(polygon: Array, axis: int) -> float:
     """Return the second moment of a polygon's area along one of its axes."""
     u, v = polygon[:, axis], polygon[:, 1 - axis]
     following_u, following_v = np.roll(u, -1), np.roll(v, -1)

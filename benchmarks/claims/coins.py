@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.tables import percent, share, table
 from benchmarks.truth.coins import KINDS, NOT_ONE_COIN, scene
 from fingerpad.exceptions import CalibrationError
@@ -36,7 +37,7 @@ def _error(kind: str, seed: int) -> tuple[float, float, bool]:
     return error / photograph.semi_major, error / coin.semi_major_std, bool(coin.flags)
 
 
-def _row(kind: str, rows: np.ndarray) -> tuple[object, ...]:
+def _row(kind: str, rows: Array) -> tuple[object, ...]:
     errors, pulls, flagged = rows[np.isfinite(rows[:, 0])].T
     plain = np.abs(errors[flagged == 0])
     rms, rms_plain = (

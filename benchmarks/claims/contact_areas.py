@@ -5,16 +5,14 @@ from itertools import groupby
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array
 from benchmarks.tables import off, share, stated, table
 from benchmarks.truth import image_sets
 from benchmarks.truth.true_image import TrueImage
 from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
-
-Numbers = npt.NDArray[np.float64]
 
 LOOKS: tuple[Literal["ink", "livescan", "prism"], ...] = ("ink", "livescan", "prism")
 PATTERNS: tuple[Literal["arch", "loop", "whorl"], ...] = ("arch", "loop", "whorl")
@@ -51,12 +49,12 @@ class Compared(NamedTuple):
     They are NaN where nothing was measured.
     """
 
-    errors: Numbers
-    stds: Numbers
+    errors: Array
+    stds: Array
     flags: tuple[str, ...]
 
     @property
-    def held(self) -> npt.NDArray[np.bool_]:
+    def held(self) -> Array:
         """Whether the 95 % intervals hold the truth."""
         return np.abs(self.errors) < 1.96 * self.stds
 

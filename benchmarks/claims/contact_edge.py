@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
-from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
@@ -87,7 +87,7 @@ def _true_radius() -> float:
     return float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, ELLIPSE[1] / ELLIPSE[0]))
 
 
-def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> FloatArray:
+def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> Array:
     """Return errors over stated standard uncertainties of area and radius, shape (sets, 2)."""
     return np.array(
         [(pooled_area_score(some, shared=shared), pooled_radius_score(some, shared=shared)) for some in sets]

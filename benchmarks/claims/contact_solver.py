@@ -13,9 +13,9 @@ from importlib.util import find_spec
 import numpy as np
 import tamaas
 
+from benchmarks.arrays import Array
 from benchmarks.tables import table
 from benchmarks.timing import best
-from fingerpad._arrays import FloatArray
 from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -26,7 +26,7 @@ _BALL = Paraboloid(_RADIUS, _RADIUS)
 _GRIDS = 64, 128, 256
 
 
-def _sphere(x: FloatArray, y: FloatArray) -> FloatArray:
+def _sphere(x: Array, y: Array) -> Array:
     with np.errstate(invalid="ignore"):
         return _RADIUS - np.sqrt(_RADIUS**2 - x**2 - y**2)
 
@@ -140,7 +140,7 @@ def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[floa
     return float(system.compute_contact_area()), float(found["offset"])
 
 
-def _window(points: int, radius: float) -> tuple[float, FloatArray]:
+def _window(points: int, radius: float) -> tuple[float, Array]:
     """Return the side of a grid a little wider than a contact, and the gap on it."""
     width = 2.2 * radius
     along = (np.arange(points) + 0.5) * width / points - width / 2

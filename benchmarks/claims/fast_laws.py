@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts, kept_pads
 from benchmarks.tables import table
-from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.contact import Contact, SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
@@ -26,18 +26,16 @@ SERIES = {
 class Circles:
     """Circular contacts of a paraboloid on a bonded layer of thickness 1, by the integral equation."""
 
-    def __init__(self, sizes: FloatArray, poisson_ratio: float) -> None:
+    def __init__(self, sizes: Array, poisson_ratio: float) -> None:
         load, depth, _ = circular_contacts(sizes, poisson_ratio).T
         self.tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=1.0)
         self.area, self.indentation = np.pi * sizes**2, sizes**2 / _RADIUS * depth
         self.load = 4 / 3 * _MODULUS * sizes**3 / _RADIUS * load
         self.area_ratio, self.load_at_area, self.load_at_depth = 1 / depth, load, load / depth**1.5
 
-    def series(self, name: str) -> FloatArray:
+    def series(self, name: str) -> Array:
         """Return the load over that of Hertz theory at one indentation, by a published series."""
-        return as_float_array(
-            np.polynomial.polynomial.polyval(np.sqrt(_RADIUS * self.indentation), SERIES[name])
-        )
+        return np.polynomial.polynomial.polyval(np.sqrt(_RADIUS * self.indentation), SERIES[name])
 
     def pressed(self, law: Callable[..., Contact], given: str) -> Contact:
         """Return the same contacts by Hertz theory or a fast law, from their loads or their indentations."""
@@ -76,11 +74,11 @@ def circles() -> None:
     )
 
 
-def silhouette_radius(pads: Placement) -> FloatArray:
+def silhouette_radius(pads: Placement) -> Array:
     """Return the mean radius of the pads' silhouettes seen along the plate's normal."""
     axes = pads.ellipsoid.semi_axes
     across = np.sqrt(((pads.normal / axes) ** 2).sum(axis=-1))
-    return as_float_array(np.sqrt(axes.prod(axis=-1) * across))
+    return np.sqrt(axes.prod(axis=-1) * across)
 
 
 def hertz_by_size() -> None:
@@ -151,7 +149,7 @@ def held_out() -> None:
     )
 
 
-def _cell(fast: FloatArray, solved: FloatArray, hertz: FloatArray) -> str:
+def _cell(fast: Array, solved: Array, hertz: Array) -> str:
     return f"{np.abs(fast / solved - 1).max():.2%} ({np.abs(hertz / solved - 1).max():.0%})"
 
 

@@ -7,6 +7,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from benchmarks.arrays import Rng
 from benchmarks.tables import Row, errors_table
 from benchmarks.truth import finger_shapes, fingertips
 from benchmarks.truth.finger_shapes import ShapedFinger
@@ -16,7 +17,7 @@ from fingerpad.image.photograph.faces import Direction
 
 SIDES: Final[dict[Face, Direction | None]] = {"palmar": None, "distal": "up", "radial": "right"}
 # By family and name what draws a finger's face.
-Draw: TypeAlias = Callable[[np.random.Generator, Face], ShapedFinger]
+Draw: TypeAlias = Callable[[Rng, Face], ShapedFinger]
 FAMILIES: Final[dict[str, Mapping[str, Draw]]] = {
     "superellipses": {
         name: partial(finger_shapes.render, shape) for name, shape in finger_shapes.SHAPES.items()

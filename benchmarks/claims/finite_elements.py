@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.sparse import csc_array
 from scipy.spatial import cKDTree
 
+from benchmarks.arrays import Array
 from benchmarks.tables import table
 from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
-from fingerpad._arrays import FloatArray
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.simulator import export_finger, simulator_law
 from fingerpad.simulator.elements import TissueElements, stiffness_of
@@ -32,9 +31,7 @@ _EVEN, _REACH, _FAR = 0.65, 8.5, 32.0
 _BEYOND: Final = 1e3
 
 
-def wide_layer(
-    place: AnyPlacement, thickness: float, *, rings: int, layers: int
-) -> tuple[LayerMesh, FloatArray]:
+def wide_layer(place: AnyPlacement, thickness: float, *, rings: int, layers: int) -> tuple[LayerMesh, Array]:
     """Return a flat layer that ends far from the contact, its plate's normal x, and the pad's gap to it."""
     round_pad = Placement(Ellipsoid(10, 10, 10), wedge_angle=0.0)
     mesh = layer_mesh(round_pad, thickness, rings=rings, layers=layers)
@@ -50,14 +47,14 @@ def wide_layer(
     return replace(mesh, points=points), np.nan_to_num(gap, nan=_BEYOND)
 
 
-def bent_layer(place: Placement, thickness: float, bend: float, **size: int) -> tuple[LayerMesh, FloatArray]:
+def bent_layer(place: Placement, thickness: float, bend: float, **size: int) -> tuple[LayerMesh, Array]:
     """Return the exported tissue with its plate's distance times `bend`: 0 is flat with the same sides."""
     mesh = layer_mesh(place, thickness, **size)
     gap = (mesh.points @ place.normal).max() - mesh.points @ place.normal - mesh.depth
     return replace(mesh, points=mesh.points + np.outer((1 - bend) * gap, place.normal)), gap
 
 
-def rows_of(tissue: Tissue, indentations: tuple[float, ...], **size: int) -> Iterator[tuple[str, FloatArray]]:
+def rows_of(tissue: Tissue, indentations: tuple[float, ...], **size: int) -> Iterator[tuple[str, Array]]:
     """Yield what was changed, and the load of the elements over the solver's."""
     solved = np.array([solve_contact(PLACE, tissue, indentation=at).load for at in indentations])
     thickness, ratio = float(tissue.thickness), float(tissue.poisson_ratio)
@@ -74,9 +71,7 @@ def rows_of(tissue: Tissue, indentations: tuple[float, ...], **size: int) -> Ite
         yield words, float(tissue.youngs_modulus) * load / solved
 
 
-def assembled(
-    points: FloatArray, cells: npt.NDArray[np.integer], poisson_ratio: float, *, order: int
-) -> csc_array:
+def assembled(points: Array, cells: Array, poisson_ratio: float, *, order: int) -> csc_array:
     """Return the stiffness for E = 1 MPa by scikit-fem, its rows in the order of the points."""
     from skfem import Basis, ElementTetP2, ElementVector, MeshTet2  # noqa: PLC0415 (optional)
     from skfem.models.elasticity import lame_parameters, linear_elasticity  # noqa: PLC0415 (optional)
@@ -89,7 +84,7 @@ def assembled(
     return stiffness[rows][:, rows]
 
 
-def exported_loads(folder: Path, indentations: tuple[float, ...], normal: FloatArray) -> FloatArray:
+def exported_loads(folder: Path, indentations: tuple[float, ...], normal: Array) -> Array:
     """Return the loads of ``finger.inp`` as meshio reads it and scikit-fem assembles it, N."""
     import meshio  # noqa: PLC0415 (optional)
 

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from benchmarks.arrays import Array
 from benchmarks.claims.loading_truth import Condition, make_curve
 from benchmarks.tables import share, table
-from benchmarks.truth.loading_physics import POISSON, Array, Contact, Pad, hertz, layer, pink
+from benchmarks.truth.loading_physics import POISSON, Contact, Pad, hertz, layer, pink
 from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import AnyPlacement

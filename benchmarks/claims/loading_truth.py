@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.tables import percent, share, table
 from benchmarks.truth.loading_physics import (
-    Array,
     Contact,
     Pad,
     coloured_noise,
@@ -94,13 +94,13 @@ class Found(NamedTuple):
     flagged: bool
 
 
-def random_pad(condition: Condition, rng: np.random.Generator) -> Pad:
+def random_pad(condition: Condition, rng: Rng) -> Pad:
     """Return a pad of 10 to 20 mm and 30 to 80 kPa."""
     modulus = rng.uniform(0.03, 0.08)
     return Pad(radius=rng.uniform(10, 20), modulus=modulus, slope=condition.slope * modulus)
 
 
-def make_curve(condition: Condition, pad: Pad, place: float, rng: np.random.Generator) -> LoadingCurve:
+def make_curve(condition: Condition, pad: Pad, place: float, rng: Rng) -> LoadingCurve:
     """Return a press at 1 mm/s to 2 N with contact at a place (mm), and a random zero and drift."""
     xi, load, area = condition.contact(pad, TOP)
     platen = xi + condition.compliance * load

@@ -9,51 +9,50 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.tables import table
 from benchmarks.truth.independent_images import independent_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Face, Scale, measure_contact_image
 from fingerpad.simulate import render_finger
 
-UInt8 = npt.NDArray[np.uint8]
-
 PPI: Final = 500
 SIDE: Final = 480
 FLAG: Final = "not_a_contact_image"
 
 
-def _levels(values: npt.ArrayLike) -> UInt8:
+def _levels(values: npt.ArrayLike) -> Pixels:
     return np.asarray(np.clip(np.rint(np.asarray(values, dtype=float)), 0, 255), dtype=np.uint8)
 
 
-def _noise(rng: np.random.Generator, length: float) -> npt.NDArray[np.float64]:
+def _noise(rng: Rng, length: float) -> Array:
     """Return noise of unit variance, smooth over a length in px."""
     noise = rng.standard_normal((SIDE, SIDE))
     smooth = cv2.GaussianBlur(noise, (0, 0), length) if length else noise
-    return np.asarray(smooth / smooth.std())
+    return smooth / smooth.std()
 
 
-def _coordinates() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _coordinates() -> tuple[Array, Array]:
     """Return x and y of each pixel from the middle, as shares of half a side."""
     y, x = np.mgrid[-1 : 1 : SIDE * 1j, -1 : 1 : SIDE * 1j]
     return x, y
 
 
-def _in_ellipse(texture: npt.ArrayLike, ground: float = 235) -> UInt8:
+def _in_ellipse(texture: npt.ArrayLike, ground: float = 235) -> Pixels:
     """Return a texture seen in an ellipse of a contact's size on an even ground."""
     x, y = _coordinates()
     return _levels(np.where((x / 0.55) ** 2 + (y / 0.75) ** 2 < 1, texture, ground))
 
 
-def _spectrum(rng: np.random.Generator, power: float) -> npt.NDArray[np.float64]:
+def _spectrum(rng: Rng, power: float) -> Array:
     """Return noise whose amplitude falls with a power of the frequency, as in pictures of scenes."""
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(SIDE), np.fft.fftfreq(SIDE)))
     frequency[0, 0] = 1
     field = np.fft.ifft2(np.fft.fft2(rng.standard_normal((SIDE, SIDE))) / frequency**power).real
-    return np.asarray(field / field.std())
+    return field / field.std()
 
 
-def landscape(rng: np.random.Generator) -> UInt8:
+def landscape(rng: Rng) -> Pixels:
     """Draw hills of grass and rock under a sky."""
     picture, row = 215 + 10 * _noise(rng, 40), np.arange(SIDE)[:, None]
     for k in range(4):
@@ -63,7 +62,7 @@ def landscape(rng: np.random.Generator) -> UInt8:
     return _levels(picture)
 
 
-def face(rng: np.random.Generator) -> UInt8:
+def face(rng: Rng) -> Pixels:
     """Draw a face by its shading: head, hair, eyes, nose and mouth."""
     x, y = _coordinates()
     light = 150 + 60 * np.sqrt(np.clip(1 - (x / 0.5) ** 2 - (y / 0.7) ** 2, 0, 1)) + 25 * x
@@ -78,7 +77,7 @@ def face(rng: np.random.Generator) -> UInt8:
     return _levels(cv2.GaussianBlur(picture, (0, 0), 1.5) + 4 * _noise(rng, 0))
 
 
-def coin(rng: np.random.Generator) -> UInt8:
+def coin(rng: Rng) -> Pixels:
     """Draw a coin: rim, milling and a relief."""
     x, y = _coordinates()
     radius, turn = np.hypot(x, y), np.arctan2(y, x)
@@ -88,7 +87,7 @@ def coin(rng: np.random.Generator) -> UInt8:
     return _levels(np.where(radius < 0.76, shade, 230) + 3 * _noise(rng, 0))
 
 
-def text(rng: np.random.Generator, size: float = 0.5, step: int = 16) -> UInt8:
+def text(rng: Rng, size: float = 0.5, step: int = 16) -> Pixels:
     """Draw lines of printed letters."""
     picture = np.full((SIDE, SIDE), 240, np.uint8)
     letters = list("ABCDEFGHIJKLMNOPQRSTUVWXYZ abcdefghijklmnopqrstuvwxyz")
@@ -100,20 +99,20 @@ def text(rng: np.random.Generator, size: float = 0.5, step: int = 16) -> UInt8:
     return picture
 
 
-def stripes(_: np.random.Generator, period_mm: float, turn: float = 0.3) -> UInt8:
+def stripes(_: Rng, period_mm: float, turn: float = 0.3) -> Pixels:
     """Draw straight stripes within an ellipse."""
     x, y = _coordinates()
     along = (np.cos(turn) * x + np.sin(turn) * y) * SIDE / 2 * 25.4 / PPI
     return _in_ellipse(140 + 90 * np.cos(2 * np.pi * along / period_mm))
 
 
-def checkerboard(_: np.random.Generator, side_mm: float) -> UInt8:
+def checkerboard(_: Rng, side_mm: float) -> Pixels:
     """Draw a checkerboard."""
     index = np.floor(np.arange(SIDE) * 25.4 / PPI / side_mm).astype(int)
     return _levels(np.where((index[:, None] + index) % 2, 40, 220))
 
 
-def bricks(rng: np.random.Generator) -> UInt8:
+def bricks(rng: Rng) -> Pixels:
     """Draw a wall of bricks."""
     row, column = np.mgrid[:SIDE, :SIDE]
     shift = np.where(row // 40 % 2, 0, 40)
@@ -121,7 +120,7 @@ def bricks(rng: np.random.Generator) -> UInt8:
     return _levels(np.where(joint, 210, 110) + 12 * _noise(rng, 1))
 
 
-def wood(rng: np.random.Generator) -> UInt8:
+def wood(rng: Rng) -> Pixels:
     """Draw the grain of wood: rings of uneven width, and fibres."""
     x, y = _coordinates()
     rings = np.sin(25 * (x + 0.15 * _noise(rng, 60) + 0.1 * y**2) + 2 * _noise(rng, 50))
@@ -129,13 +128,13 @@ def wood(rng: np.random.Generator) -> UInt8:
     return _levels(150 + 35 * rings + 25 * fibres / fibres.std())
 
 
-def cloth(rng: np.random.Generator, period_px: float = 14.0) -> UInt8:
+def cloth(rng: Rng, period_px: float = 14.0) -> Pixels:
     """Draw a plain weave."""
     row, column = np.mgrid[:SIDE, :SIDE] * (2 * np.pi / period_px)
     return _levels(140 + 40 * np.sin(row) * np.sin(column) + 8 * _noise(rng, 0.7))
 
 
-def pebbles(rng: np.random.Generator, radius: tuple[int, int], count: int) -> UInt8:
+def pebbles(rng: Rng, radius: tuple[int, int], count: int) -> Pixels:
     """Draw overlapping discs, each shaded."""
     picture = np.full((SIDE, SIDE), 200.0)
     for _ in range(count):
@@ -144,7 +143,7 @@ def pebbles(rng: np.random.Generator, radius: tuple[int, int], count: int) -> UI
     return _levels(cv2.GaussianBlur(picture, (0, 0), 1) + 4 * _noise(rng, 0))
 
 
-def shape(rng: np.random.Generator, corners: int) -> UInt8:
+def shape(rng: Rng, corners: int) -> Pixels:
     """Draw a dark polygon, or a disc without corners, on a light ground."""
     picture = np.full((SIDE, SIDE), 225.0)
     if corners:
@@ -156,7 +155,7 @@ def shape(rng: np.random.Generator, corners: int) -> UInt8:
     return _levels(picture + 5 * _noise(rng, 0))
 
 
-def scribble(rng: np.random.Generator) -> UInt8:
+def scribble(rng: Rng) -> Pixels:
     """Draw the lines of a pen that wanders."""
     picture = np.full((SIDE, SIDE), 235.0)
     path = SIDE / 2 + 150 * np.stack([np.sin(np.linspace(0, 40, 900)), np.cos(np.linspace(0, 29, 900))], -1)
@@ -164,7 +163,7 @@ def scribble(rng: np.random.Generator) -> UInt8:
     return _levels(picture + 3 * _noise(rng, 0))
 
 
-def chart(rng: np.random.Generator) -> UInt8:
+def chart(rng: Rng) -> Pixels:
     """Draw a bar chart with its grid."""
     picture = np.full((SIDE, SIDE), 245.0)
     for row in range(60, 420, 40):
@@ -175,13 +174,13 @@ def chart(rng: np.random.Generator) -> UInt8:
     return _levels(picture)
 
 
-def hand_photograph(rng: np.random.Generator, face: Face) -> UInt8:
+def hand_photograph(rng: Rng, face: Face) -> Pixels:
     """Render a photograph of a finger, in grey, to be measured as if at 500 ppi."""
     pixels = render_finger(face, seed=int(rng.integers(1000))).pixels
     return _levels(pixels @ np.array([0.299, 0.587, 0.114]))
 
 
-def _gradient(_: np.random.Generator, kind: str) -> UInt8:
+def _gradient(_: Rng, kind: str) -> Pixels:
     x, y = _coordinates()
     return _levels(
         {
@@ -193,7 +192,7 @@ def _gradient(_: np.random.Generator, kind: str) -> UInt8:
     )
 
 
-Draw = Callable[[np.random.Generator], UInt8]
+Draw = Callable[[Rng], Pixels]
 KINDS: Final[dict[str, tuple[Draw, ...]]] = {
     "blank paper": (
         lambda rng: _levels(245 + 0 * _noise(rng, 0)),
@@ -247,7 +246,7 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
 }
 
 
-def non_prints(seed: int = 0) -> Iterator[tuple[str, UInt8]]:
+def non_prints(seed: int = 0) -> Iterator[tuple[str, Pixels]]:
     """Yield pictures without a finger's contact, each with its kind."""
     for number, (kind, draws) in enumerate(KINDS.items()):
         for k, draw in enumerate(draws):

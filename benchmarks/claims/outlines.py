@@ -7,12 +7,10 @@ leaning by 1.5 degrees.
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.tables import Row, errors_table
 from fingerpad.image import Face, face_from_outline
-
-Array = npt.NDArray[np.float64]
 
 KINDS = ("ellipse", "pointed", "blunt", "egg", "one side fuller", "bumps")
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial")
@@ -20,10 +18,10 @@ _T = np.radians(np.linspace(-60, 240, 6001))
 
 
 def _power(part: Array, exponent: float | Array) -> Array:
-    return np.asarray(np.sign(part) * np.abs(part) ** (2 / exponent))
+    return np.sign(part) * np.abs(part) ** (2 / exponent)
 
 
-def _curve(kind: str, across: float, along: float, rng: np.random.Generator) -> Array:
+def _curve(kind: str, across: float, along: float, rng: Rng) -> Array:
     c, s = np.cos(_T), np.sin(_T)
     if kind == "egg":
         c = c * np.exp(-rng.choice([-1, 1]) * rng.uniform(0.08, 0.25) * s)
@@ -50,7 +48,7 @@ def _extents(curve: Array, face: Face) -> Array:
     return np.array([(x[right] - x[left]) / 2, y[tip] - (y[right] + y[left]) / 2])
 
 
-def draw(kind: str, face: Face, rng: np.random.Generator) -> tuple[Array, Array]:
+def draw(kind: str, face: Face, rng: Rng) -> tuple[Array, Array]:
     """Return the points of an outline, mm, and its true semi-axes across and along."""
     across = rng.uniform(6, 9.5) if face == "radial" else rng.uniform(8, 12)
     along = rng.uniform(6, 9.5) if face == "distal" else rng.uniform(10, 16)

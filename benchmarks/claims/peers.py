@@ -20,7 +20,6 @@ from typing import Any, Final, TypeAlias
 import cv2
 import lmfit
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
@@ -28,6 +27,7 @@ from skimage import filters, measure, morphology
 from statsmodels.stats.meta_analysis import combine_effects
 
 from benchmarks import ROOT
+from benchmarks.arrays import Array, Pixels
 from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
 from benchmarks.tables import off, percent, stated, table
@@ -42,8 +42,6 @@ from fingerpad.image import measure_contact_image
 from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
 from fingerpad.uncertainty import pool_random_effects
 
-FloatArray = npt.NDArray[np.float64]
-
 RADII_RATIOS: Final = (1.0, 1.001, 1.1, 1.5, 3.0, 10.0, 100.0)
 RADIUS, LOAD, MODULUS = 8.0, 2.0, 0.1365  # mm, N, MPa
 # Radius, E* of the instrument or of nanite in Pa, and Pa of its unit (tests/loading/data/README.md).
@@ -52,6 +50,7 @@ RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0, 1e6), "afm_cell.csv": (5.0, 48
 # Semi-axes and indentation of each ratio in turn, then seconds for one contact.
 _IN_OWN_ENVIRONMENT: Final = """
 import json, math, sys, time
+from benchmarks.arrays import Array, Pixels
 peer, radius, load, modulus, ratios = json.loads(sys.argv[1])
 inf = float("inf")
 if peer == "slippy":
@@ -124,7 +123,7 @@ def hertz() -> None:
     )
 
 
-def _errors(name: str, found: FloatArray, exact: FloatArray, seconds: str) -> tuple[str, ...]:
+def _errors(name: str, found: Array, exact: Array, seconds: str) -> tuple[str, ...]:
     error = np.abs(found / exact - 1)
     missing = int(np.isnan(error).any(axis=1).sum())
     fails = f", fails at {missing} of {len(exact)}" if missing else ""
@@ -245,13 +244,13 @@ def _by_pyfing(image: IndependentImage) -> Measured:
     return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)
 
 
-def _dark_on_light(image: IndependentImage) -> npt.NDArray[np.uint8]:
+def _dark_on_light(image: IndependentImage) -> Pixels:
     depth = np.iinfo(image.pixels.dtype).max
     grey = (image.pixels * (255.0 / depth)).astype(np.uint8)
     return 255 - grey if image.condition.bright else grey
 
 
-def _largest_region(mask: npt.NDArray[np.bool_], image: IndependentImage) -> Measured:
+def _largest_region(mask: Array, image: IndependentImage) -> Measured:
     regions = measure.regionprops(measure.label(mask))
     if not regions:
         return _NONE
@@ -326,12 +325,12 @@ def _fit_ours(curve: LoadingCurve, radius: float) -> tuple[float, float, float] 
     return fit.initial_modulus.value, fit.initial_modulus.std, fit.contact_offset.value
 
 
-def _approach(curve: LoadingCurve) -> tuple[FloatArray, FloatArray]:
+def _approach(curve: LoadingCurve) -> tuple[Array, Array]:
     end = int(np.argmax(curve.load)) + 1
     return curve.indentation[:end], curve.load[:end]
 
 
-def _start(x: FloatArray, load: FloatArray, radius: float) -> tuple[float, float]:
+def _start(x: Array, load: Array, radius: float) -> tuple[float, float]:
     zero = float(np.median(load[: len(load) // 5]))
     at = float(x[np.flatnonzero(load - zero < 0.1 * (load[-1] - zero))[-1]])
     return at, 0.75 * 0.75 * float(load[-1] - zero) / np.sqrt(radius) / max(float(x[-1]) - at, 1e-9) ** 1.5
@@ -342,8 +341,8 @@ def _fit_lmfit(curve: LoadingCurve, radius: float) -> tuple[float, float, float]
     x, load = _approach(curve)
     at, modulus = _start(x, load, radius)
 
-    def force(x: FloatArray, E: float, at: float, zero: float) -> FloatArray:
-        return as_float_array(4 / 3 * E / 0.75 * np.sqrt(radius) * np.maximum(x - at, 0) ** 1.5 + zero)
+    def force(x: Array, E: float, at: float, zero: float) -> Array:
+        return 4 / 3 * E / 0.75 * np.sqrt(radius) * np.maximum(x - at, 0) ** 1.5 + zero
 
     fit = lmfit.Model(force).fit(load, x=x, E=modulus, at=at, zero=float(np.median(load[: len(load) // 5])))
     return fit.params["E"].value, fit.params["E"].stderr or np.nan, fit.params["at"].value

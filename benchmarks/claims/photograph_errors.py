@@ -6,14 +6,12 @@ from typing import Final
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array
 from benchmarks.claims.finger_shapes import FAMILIES, Finger, measured
 from benchmarks.tables import off, percent, share, stated, table
 from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.simulate._finger_shape import finger_shape, pad_arc
-
-Array = npt.NDArray[np.float64]
 
 _ROUGHNESS_MM, _DRAWS = 0.015, 200
 WEDGES_DEG: Final = (15, 30, 45, 60)
@@ -25,7 +23,7 @@ def _on_arc(points: Array, semi_axes: tuple[float, float], arc: tuple[float, flo
     turn = np.arctan2(points[:, 1] / semi_axes[1], points[:, 0] / semi_axes[0]) - middle
     turn = (turn + math.pi) % (2 * math.pi) - math.pi
     inside = np.flatnonzero(np.abs(turn) < (arc[1] - arc[0]) / 2)
-    return np.asarray(points[inside[np.argsort(turn[inside])]][::step])
+    return points[inside[np.argsort(turn[inside])]][::step]
 
 
 def print_roughness() -> None:

@@ -11,8 +11,8 @@ from typing import Any, TypeAlias
 from unittest import mock
 
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array
 from benchmarks.claims import anatomic_fingers, finger_shapes, outlines, photographs
 from benchmarks.tables import percent, share, table
 from benchmarks.truth.anatomic_fingers import fingers
@@ -23,7 +23,6 @@ from fingerpad.image.photograph import face_arc
 from fingerpad.image.photograph.calibration import DOUBT
 from fingerpad.image.photograph.points import _arc
 
-Array: TypeAlias = npt.NDArray[np.float64]
 Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]
 
 # Longest error that counts, so that one lost face does not decide a root mean square.

@@ -13,8 +13,8 @@ from functools import partial
 import cv2
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.tables import percent, share, stated, table
-from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import Face, Scale, measure_photograph
 from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
@@ -29,8 +29,8 @@ class Trial:
     """One measurement: true extent of the arc, relative errors and stated relative uncertainties."""
 
     arc_deg: float
-    errors: FloatArray
-    stds: FloatArray
+    errors: Array
+    stds: Array
     flagged: bool
 
 
@@ -85,7 +85,7 @@ def trial(seed: int, *, marked: bool) -> Trial | None:
     )
 
 
-def _interval(size: FloatArray, repeats: int = 2000) -> tuple[float, float]:
+def _interval(size: Array, repeats: int = 2000) -> tuple[float, float]:
     """Return the 95 % interval of what 95 % of the errors are within, by drawing photographs again."""
     rng = np.random.default_rng(0)
     drawn = size[rng.integers(len(size), size=(repeats, len(size)))].reshape(repeats, -1)

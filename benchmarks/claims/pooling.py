@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import table
-from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad._arrays import ArrayLike
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
@@ -31,9 +32,9 @@ RADIUS = 14.0
 class Score(NamedTuple):
     """Bias over the stated standard uncertainty, its standard error, and the share of intervals that hold."""
 
-    bias: FloatArray
-    error: FloatArray
-    covered: FloatArray
+    bias: Array
+    error: Array
+    covered: Array
 
 
 def _score(off: ArrayLike, std: ArrayLike, held: ArrayLike) -> Score:
@@ -140,7 +141,7 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
 
 
 def _contact(
-    random: np.random.Generator, load: float, relative_std: float, elongation: float
+    random: Rng, load: float, relative_std: float, elongation: float
 ) -> tuple[Observation, Measurement]:
     true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
     axes = true * (1 + relative_std * random.normal(size=2))

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
-from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
@@ -46,14 +46,14 @@ class Population(NamedTuple):
 class Draws(NamedTuple):
     """Logarithms of one study, with the person, finger and session of each (finger and session count on)."""
 
-    person: FloatArray
-    finger: FloatArray
-    session: FloatArray
-    of_finger: FloatArray
-    log_value: FloatArray
+    person: Array
+    finger: Array
+    session: Array
+    of_finger: Array
+    log_value: Array
 
 
-def draw_study(population: Population, design: Design, rng: np.random.Generator) -> Draws:
+def draw_study(population: Population, design: Design, rng: Rng) -> Draws:
     """Draw a study: each person, finger, session and repeat once from the population."""
     rows: list[tuple[float, ...]] = []
     finger = session = 0
@@ -122,13 +122,11 @@ def mean_coverage(population: Population, design: Design, studies: int, seed: in
     return held
 
 
-def draw_repeats(population: Population, drawn: Draws, rng: np.random.Generator) -> FloatArray:
+def draw_repeats(population: Population, drawn: Draws, rng: Rng) -> Array:
     """Draw the same fingers under another load: the same sessions, new repeats."""
     number = drawn.session.astype(int)
     of_session = rng.normal(0, population.session, number.max() + 1)
-    return as_float_array(
-        drawn.of_finger + of_session[number] + rng.normal(0, population.repeat, number.size)
-    )
+    return drawn.of_finger + of_session[number] + rng.normal(0, population.repeat, number.size)
 
 
 def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[float, float], float]]:
@@ -151,7 +149,7 @@ def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[flo
 
 
 def _contact(
-    rng: np.random.Generator, where: tuple[str, str], load: float, log_axes: FloatArray
+    rng: Rng, where: tuple[str, str], load: float, log_axes: Array
 ) -> tuple[Observation, Measurement]:
     axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
     covariance = np.diag(np.square(NOISE * np.sort(axes)[::-1]))

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
+from benchmarks.arrays import Array
 from benchmarks.tables import table
-from fingerpad._arrays import FloatArray
 from fingerpad.image import (
     ForceSignal,
     FrameRate,
@@ -62,7 +62,7 @@ def report() -> None:
     print(f"\nFrames a second, learning included: {', '.join(speeds)}.")
 
 
-def _cells(look: str, phase: str, areas: list[float], truth: FloatArray) -> tuple[object, ...]:
+def _cells(look: str, phase: str, areas: list[float], truth: Array) -> tuple[object, ...]:
     errors = 100 * (areas / truth - 1)
     spread, steps = f"{errors.std():.2f} %", f"{np.diff(errors).std():.2f} %"
     return look, phase, errors.size, f"{errors.mean():+.2f} %", spread, steps

@@ -16,9 +16,9 @@ from typing import Final, NamedTuple
 import mujoco
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.tables import percent, table
 from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
-from fingerpad._arrays import FloatArray
 from fingerpad.simulator import SimulatorLaw, export_finger, simulator_law
 
 PLACE: Final = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
@@ -48,10 +48,10 @@ PADS: Final = {
 class Row(NamedTuple):
     """A simulator's loads, those of the solver at the same indentations, and the factors of its area."""
 
-    indentation: FloatArray
-    load: FloatArray
-    solved: FloatArray
-    area_factor: FloatArray
+    indentation: Array
+    load: Array
+    solved: Array
+    area_factor: Array
 
     @property
     def error(self) -> float:
@@ -92,16 +92,16 @@ def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
     return rows
 
 
-def _overlap(indentation: float) -> tuple[FloatArray, float]:
+def _overlap(indentation: float) -> tuple[Array, float]:
     """Return depths of overlap with the plate, m, and the area of a cell, m²."""
     reach = 8.0 * np.sqrt(indentation)
     side = np.linspace(-reach, reach, _CELLS)
     gap = PLACE.gap.height(*np.meshgrid(side, side, indexing="ij"))
-    depth: FloatArray = np.maximum(indentation - np.nan_to_num(gap, nan=np.inf), 0)
+    depth: Array = np.maximum(indentation - np.nan_to_num(gap, nan=np.inf), 0)
     return depth * 1e-3, float(side[1] - side[0]) ** 2 * 1e-6
 
 
-def _mujoco(folder: Path, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _mujoco(folder: Path, loads: Array) -> tuple[Array, Array]:
     """Return the indentations at which the exported finger rests."""
     model = mujoco.MjModel.from_xml_path(str(folder / "finger.xml"))
     data = mujoco.MjData(model)
@@ -113,7 +113,7 @@ def _mujoco(folder: Path, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.array(rested), loads
 
 
-def _drake(law: SimulatorLaw, folder: Path, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, Array]:
     """Return loads and areas, by Drake where it is installed."""
     height = float(PLACE.normal @ PLACE.point)
     try:

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import table
-from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation, size_factor
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Observation
@@ -58,15 +58,13 @@ def _size(load: float) -> float:
     return float(5.0 * load**0.3)
 
 
-def _modulus(radius: FloatArray, elongation: float) -> float:
+def _modulus(radius: Array, elongation: float) -> float:
     """Return E*, kPa, of the row under 2 N, from the true contact."""
     shape = float(size_factor(np.exp(-elongation)) ** 3)
     return 1000 * 0.75 * LOADS[3] * float(radius) * shape / _size(LOADS[3]) ** 3
 
 
-def _contacts(
-    rng: np.random.Generator, wedge: float, elongation: float
-) -> Iterator[tuple[Observation, Measurement]]:
+def _contacts(rng: Rng, wedge: float, elongation: float) -> Iterator[tuple[Observation, Measurement]]:
     scale = 1 + rng.normal(0, SCALE_STD)
     for number, load in enumerate(LOADS):
         true = _size(load) * np.exp([0.5 * elongation, -0.5 * elongation])

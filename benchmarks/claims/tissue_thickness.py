@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.tables import table
-from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.geometry import Placement
 from fingerpad.published import dzidek2017, fit_tissue_thickness
@@ -23,14 +23,14 @@ class Loading(NamedTuple):
     reaches A = 0; n of A ∝ W^n and m of W ∝ ξ^m.
     """
 
-    slope: FloatArray
-    slope_through_origin: FloatArray
-    contact_shift: FloatArray
-    area_exponent: FloatArray
-    load_exponent: FloatArray
+    slope: Array
+    slope_through_origin: Array
+    contact_shift: Array
+    area_exponent: Array
+    load_exponent: Array
 
 
-def loading_of(placement: Placement, tissue: Tissue, area: FloatArray, lowest: float = 0.0) -> Loading:
+def loading_of(placement: Placement, tissue: Tissue, area: Array, lowest: float = 0.0) -> Loading:
     """Fit 64 evenly spaced loads, above `lowest` of the one that gives the area."""
     highest = fast_contact(placement, tissue, area=area).load
     loads = np.multiply.outer(np.linspace(lowest, 1, 65)[1:], highest)
@@ -46,24 +46,24 @@ def loading_of(placement: Placement, tissue: Tissue, area: FloatArray, lowest: f
     )
 
 
-def _slope(x: FloatArray, y: FloatArray) -> FloatArray:
+def _slope(x: Array, y: Array) -> Array:
     """Return the slope of y on x over the first axis, by least squares."""
     deviation = x - x.mean(axis=0)
-    slope: FloatArray = np.sum(deviation * y, axis=0) / np.sum(deviation**2, axis=0)
+    slope: Array = np.sum(deviation * y, axis=0) / np.sum(deviation**2, axis=0)
     return slope
 
 
-def line(name: str, lowest: float = 0.0) -> Callable[[Placement, Tissue, FloatArray], FloatArray]:
+def line(name: str, lowest: float = 0.0) -> Callable[[Placement, Tissue, Array], Array]:
     """Return R_g read as the slope of a line."""
 
-    def read(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
-        slope: FloatArray = getattr(loading_of(placement, tissue, area, lowest), name)
+    def read(placement: Placement, tissue: Tissue, area: Array) -> Array:
+        slope: Array = getattr(loading_of(placement, tissue, area, lowest), name)
         return slope
 
     return read
 
 
-def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
+def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: Array) -> Array:
     """Return R_g read as A/(πξ)."""
     return fast_contact(placement, tissue, area=area).area_over_pi_indentation
 

@@ -15,9 +15,9 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
-from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid
 from fingerpad.study.manifest.models import Curve, Observation
 from fingerpad.study.measuring.contacts import Measurement
@@ -84,7 +84,7 @@ CASES: Final = {
 HOLDING: Final = ("Hertz theory", "Hertz theory, with curve")
 
 
-def principal_radii(axes: FloatArray, wedge: float) -> tuple[float, float]:
+def principal_radii(axes: Array, wedge: float) -> tuple[float, float]:
     """Return the radii of curvature along and across the finger where the wedge's plate touches."""
     a, b, c = axes
     u = np.arctan(b / a * np.tan(wedge))
@@ -154,7 +154,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
 
 
 def _contacts(
-    truth: Truth, radii: tuple[float, float], wedge: float, rng: np.random.Generator
+    truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng
 ) -> Iterator[tuple[Observation, Measurement]]:
     scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
     for number, load in enumerate(np.repeat(truth.loads, truth.repeats).tolist()):
@@ -178,11 +178,7 @@ def _contacts(
 
 
 def _curve(
-    truth: Truth,
-    radii: tuple[float, float],
-    given: tuple[float, FloatArray],
-    rng: np.random.Generator,
-    folder: Path,
+    truth: Truth, radii: tuple[float, float], given: tuple[float, Array], rng: Rng, folder: Path
 ) -> CurveResult:
     """Return the finger's loading data: R_g with its uncertainty, or a fitted record."""
     wedge, axes = given

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.claims.contact_areas import sharp
 from benchmarks.truth import image_sets
 from benchmarks.truth.true_image import TrueImage
-from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image import edge as edges
 from fingerpad.image.contact_image.calibration import EDGE
@@ -65,7 +65,7 @@ def look(name: str, image: TrueImage) -> Seen | None:
     return Seen(name, displacement / outline.period, shown.thinning, shown.outside, beyond)
 
 
-def fit(seen: list[Seen]) -> FloatArray:
+def fit(seen: list[Seen]) -> Array:
     """Return the shift without signs of fading, and what each sign adds to it; sets weigh alike."""
     names = [one.name for one in seen]
     weights = np.array([1 / math.sqrt(names.count(name)) for name in names])[:, None]
@@ -76,16 +76,16 @@ def fit(seen: list[Seen]) -> FloatArray:
     return found
 
 
-def _design(seen: list[Seen]) -> FloatArray:
+def _design(seen: list[Seen]) -> Array:
     return np.array([(1.0, one.thinning, one.outside, one.beyond) for one in seen])
 
 
-def _displacements(seen: list[Seen]) -> FloatArray:
+def _displacements(seen: list[Seen]) -> Array:
     # Where a contact is not found whole, nothing is learned of its edge.
     return np.array([one.displacement for one in seen]).clip(-0.6, 1.2)
 
 
-def _errors_by_set(seen: list[Seen], found: FloatArray) -> dict[str, float]:
+def _errors_by_set(seen: list[Seen], found: Array) -> dict[str, float]:
     errors = _design(seen) @ found - _displacements(seen)
     names = np.array([one.name for one in seen])
     return {name: float(errors[names == name].mean()) for name in dict.fromkeys(names.tolist())}

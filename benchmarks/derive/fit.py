@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import minimize
 
-from fingerpad._arrays import FloatArray
+from benchmarks.arrays import Array, Rng
 
 _ROUNDS, _STEP, _MOST, _RESAMPLED = 5, 0.1, 0.5, 60
 _CLIMBS, _SMALL_STEP = 10, 0.01
@@ -25,8 +24,8 @@ _OUTLIER = 3.0  # robust standard deviations beyond which an error counts less
 class Compared(NamedTuple):
     """Errors of a sample, and the standard deviations stated for them."""
 
-    errors: FloatArray
-    stds: FloatArray
+    errors: Array
+    stds: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,18 +77,18 @@ def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
     return Fitted(model=model, error=error)
 
 
-def changed(model: Any, fields: tuple[str, ...], values: FloatArray) -> Any:
+def changed(model: Any, fields: tuple[str, ...], values: Array) -> Any:
     """Return a model with other values in some fields."""
     return replace(model, **dict(zip(fields, values.tolist(), strict=True)))
 
 
-def _values(model: Any, fields: tuple[str, ...]) -> FloatArray:
+def _values(model: Any, fields: tuple[str, ...]) -> Array:
     return np.array([getattr(model, each) for each in fields], dtype=np.float64)
 
 
 def _least_squares(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: np.random.Generator
-) -> tuple[Any, FloatArray]:
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: Rng
+) -> tuple[Any, Array]:
     """Move fields by damped steps of Gauss and Newton, outliers weighted down, while the errors become less.
 
     Pixels are counted: steps of a tenth of a value show the slope, where tiny ones show none.
@@ -97,7 +96,7 @@ def _least_squares(
     values = _values(model, fields)
     size = np.maximum(np.abs(values), 0.05)
 
-    def errors_of(at: FloatArray) -> FloatArray:
+    def errors_of(at: Array) -> Array:
         return problem.compare(changed(model, fields, at), sample).errors
 
     errors = errors_of(values)
@@ -122,36 +121,36 @@ def _least_squares(
     return changed(model, fields, values), np.std(moved, axis=0) * size
 
 
-def _shortened(values: FloatArray, move: FloatArray) -> Iterator[FloatArray]:
+def _shortened(values: Array, move: Array) -> Iterator[Array]:
     """Yield where ever shorter moves lead; what is positive stays so."""
     for share in (1.0, 0.5, 0.25, 0.1):
         place = values + share * move
         yield np.where(values > 0, np.maximum(place, values / 4), place)
 
 
-def _solved(slope: FloatArray, target: FloatArray, weight: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.lstsq(slope * weight[:, None], target * weight, rcond=1e-6)[0])
+def _solved(slope: Array, target: Array, weight: Array) -> Array:
+    return np.linalg.lstsq(slope * weight[:, None], target * weight, rcond=1e-6)[0]
 
 
-def _costs(errors: FloatArray, variance: FloatArray) -> FloatArray:
+def _costs(errors: Array, variance: Array) -> Array:
     """Return the negative log-likelihood of each error.
 
     By Student's t of few degrees of freedom: single failures do not set the deviation of all.
     """
     variance = np.maximum(variance, _LEAST_STD**2)
-    return np.asarray(np.log(variance) / 2 + 2.5 * np.log1p(errors**2 / variance / _T_SCALE**2 / 4))
+    return np.log(variance) / 2 + 2.5 * np.log1p(errors**2 / variance / _T_SCALE**2 / 4)
 
 
 def _scoring(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], _: np.random.Generator
-) -> tuple[Any, FloatArray]:
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], _: Rng
+) -> tuple[Any, Array]:
     """Move fields while the errors become likelier, by steps of Berndt, Hall, Hall and Hausman.
 
     The scores of single errors make the information, which gives the step and the errors of the values.
     """
     values = _values(model, fields)
 
-    def cost_at(at: FloatArray) -> FloatArray:
+    def cost_at(at: Array) -> Array:
         errors, stds = problem.compare(changed(model, fields, at), sample)
         return _costs(errors, stds**2)
 
@@ -174,8 +173,8 @@ def _scoring(
 
 
 def _likelihood(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: np.random.Generator
-) -> tuple[Any, FloatArray]:
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: Rng
+) -> tuple[Any, Array]:
     """Find the standard deviations, none below 0, under which the errors are likeliest.
 
     They are of independent effects: the variance stated is linear in the square of each.
@@ -189,12 +188,12 @@ def _likelihood(
     )
     effects = np.stack([each - rest for each in alone], axis=1)
 
-    def found(chosen: npt.NDArray[np.integer[Any]]) -> FloatArray:
-        def cost(at: FloatArray) -> float:
+    def found(chosen: Array) -> Array:
+        def cost(at: Array) -> float:
             return float(np.sum(_costs(errors[chosen], (rest + effects @ at**2)[chosen])))
 
         best = minimize(cost, start / size, method="L-BFGS-B", bounds=[(0, 20)] * len(start))
-        return np.asarray(best.x * size)
+        return best.x * size
 
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
     values = found(np.arange(len(errors)))

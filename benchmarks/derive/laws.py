@@ -11,6 +11,7 @@ from unittest.mock import patch
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.claims import fast_laws
 from benchmarks.derive.solved_contacts import (
     AREA_BIAS,
@@ -20,7 +21,6 @@ from benchmarks.derive.solved_contacts import (
     kept_pads,
     layer_spectrum,
 )
-from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.elliptic import curvature_ratio
@@ -38,24 +38,24 @@ _SLENDER = 1 - np.linspace(1e-4, 0.54, 40)
 class Solved:
     """Solved contacts, over Hertz theory's of the same area."""
 
-    k: FloatArray
-    radius: FloatArray
-    elongation: FloatArray
-    load: FloatArray
-    indentation: FloatArray
-    peak: FloatArray
-    ratio: FloatArray
-    size: FloatArray
-    poisson_ratio: FloatArray
+    k: Array
+    radius: Array
+    elongation: Array
+    load: Array
+    indentation: Array
+    peak: Array
+    ratio: Array
+    size: Array
+    poisson_ratio: Array
     gap: Gap
 
     @property
-    def slenderness(self) -> FloatArray:
+    def slenderness(self) -> Array:
         """(1 − k)²/k."""
         return (1 - self.k) ** 2 / self.k
 
 
-def solved(rows: FloatArray, *, is_pad: bool) -> Solved:
+def solved(rows: Array, *, is_pad: bool) -> Solved:
     """Compare kept contacts with Hertz theory."""
     placement, tissue = kept_contacts(rows, is_pad=is_pad)
     load, area, indentation, ratio, peak = rows[:, -5:].T
@@ -76,23 +76,23 @@ def solved(rows: FloatArray, *, is_pad: bool) -> Solved:
     )
 
 
-def elliptical(rows: FloatArray) -> Solved:
+def elliptical(rows: Array) -> Solved:
     """Return kept elliptical paraboloids on a layer."""
     return solved(rows, is_pad=False)
 
 
-def pads(rows: FloatArray) -> Solved:
+def pads(rows: Array) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
     return solved(rows[_is_near(rows)], is_pad=True)
 
 
-def _is_near(rows: FloatArray) -> BoolArray:
+def _is_near(rows: Array) -> Array:
     k, _, _ = solve_contact_ellipse(*kept_pads(rows).curvature.principal_radii)
     size = np.sqrt(rows[:, 8] / np.pi) / rows[:, 5]
     return (size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))
 
 
-def circles() -> tuple[FloatArray, ...]:
+def circles() -> tuple[Array, ...]:
     """Return a/t, ν and `circular_contacts`' three ratios, over a grid."""
     sizes = np.concatenate([np.geomspace(0.05, 3.2, 40), [4, 6, 10]])
     ratios = 0.4 - 0.1 * np.cos(np.pi * np.arange(13) / 12)
@@ -100,25 +100,25 @@ def circles() -> tuple[FloatArray, ...]:
     return np.tile(sizes, 13), np.repeat(ratios, 43), *found.T
 
 
-def least_largest(columns: FloatArray, target: FloatArray, weight: FloatArray) -> FloatArray:
+def least_largest(columns: Array, target: Array, weight: Array) -> Array:
     """Return the coefficients of columns that sum to a target, towards the least largest error."""
     scale, rising = np.linalg.norm(columns * weight[:, None], axis=0), weight.copy()
     for _ in range(_ROUNDS):
         solution = np.linalg.lstsq(columns / scale * rising[:, None], target * rising, rcond=1e-12)[0]
         error = np.abs(columns / scale @ solution - target) * weight
         rising *= np.sqrt(0.5 + error / error.max())
-    coefficients: FloatArray = solution / scale
+    coefficients: Array = solution / scale
     return coefficients
 
 
-def _logarithms(eta: FloatArray) -> FloatArray:
+def _logarithms(eta: Array) -> Array:
     """Return ln W and ln ξ over those of the circle of equal area, and ln k, for ln(κ1/κ2)."""
     larger = np.exp(np.abs(eta) / 2)
     k, integral, D = solve_contact_ellipse(np.exp(eta / 2), np.exp(-eta / 2))
     return np.log([0.25 * np.pi / (larger * D) * k**-1.5, 0.5 * integral / (k * larger * D), k])
 
 
-def elliptical_parts(k: FloatArray) -> dict[str, FloatArray]:
+def elliptical_parts(k: Array) -> dict[str, Array]:
     """Return what a slender contact changes in the series of a thick layer.
 
     To the fourth power of x the layer adds one curvature in all directions, and a uniform displacement.
@@ -136,7 +136,7 @@ def elliptical_parts(k: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def thick_series(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
+def thick_series(poisson_ratio: float) -> tuple[Array, Array]:
     """Return ln W/W_H and ξ/ξ_H at equal area, as powers of x to the fourth, shape (5, slender)."""
     wavenumber, weight = layer_spectrum(poisson_ratio)
     uniform, curved = weight.sum(), -0.25 * weight @ wavenumber**2  # α0 and α2 of Σ α_j (r/t)^j
@@ -151,14 +151,14 @@ def thick_series(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def known_coefficients() -> tuple[FloatArray, FloatArray]:
+def known_coefficients() -> tuple[Array, Array]:
     """Return the first five coefficients of P and Q, each as a row over `layer_basis`, shape (5, 9)."""
     u = 0.3 * np.exp(2j * np.pi * np.arange(32) / 32)[:, None]
     x = u / (1 - u / SCALE)
     s = (1 - _SLENDER) ** 2 / _SLENDER
-    bases: list[FloatArray] = []
-    load_rows: list[FloatArray] = []
-    depth_rows: list[FloatArray] = []
+    bases: list[Array] = []
+    load_rows: list[Array] = []
+    depth_rows: list[Array] = []
     for nu in np.linspace(0.3, 0.5, 21):
         load, depth = (sum(c * x**j for j, c in enumerate(each)) for each in thick_series(nu))
         thin_load, _, thin_depth = thin_layer(x, np.full(x.shape, nu))
@@ -167,7 +167,7 @@ def known_coefficients() -> tuple[FloatArray, FloatArray]:
             rows.append(powers / 0.3 ** np.arange(_SERIES)[:, None])
         bases.append(layer_basis(np.full(s.shape, nu), s))
     basis = np.concatenate(bases, axis=1).T
-    found: list[FloatArray] = []
+    found: list[Array] = []
     for rows in (load_rows, depth_rows):
         target = np.concatenate(rows, axis=1).T
         found.append(np.asarray(np.linalg.lstsq(basis, target, rcond=None)[0].T, dtype=np.float64))
@@ -208,7 +208,7 @@ def fit_layer(slender: Solved) -> None:
     law.LAYER_SHAPE = least_largest(columns, ratio - 1, np.abs(slender.elongation[slim])).reshape(4, 9)
 
 
-def pad_numbers(found: Solved) -> tuple[FloatArray, ...]:
+def pad_numbers(found: Solved) -> tuple[Array, ...]:
     """Return w, p, m and 2μ1μ2 of `PadFactors`, times the mean radius squared, and e·m."""
     gap, q = found.gap, found.radius**2
     stretch = np.where(found.elongation > 0, 1 / found.k, found.k)
@@ -218,7 +218,7 @@ def pad_numbers(found: Solved) -> tuple[FloatArray, ...]:
     return w, first + second, m, 2 * gap.first_skewness * gap.second_skewness * q, found.elongation * m
 
 
-def sphere_series() -> tuple[FloatArray, FloatArray]:
+def sphere_series() -> tuple[Array, Array]:
     """Return ln W/W_H and ln ξ/ξ_H of Sneddon's sphere over w = (a/R)², as powers of w."""
     w = 0.31 * (1 - np.cos(np.linspace(1e-3, np.pi, 300)))
     a = np.sqrt(w)
@@ -234,8 +234,8 @@ def sphere_series() -> tuple[FloatArray, FloatArray]:
     return found[0], found[1]
 
 
-def _sphere(coefficients: FloatArray, w: FloatArray) -> FloatArray:
-    value: FloatArray = sum(c * w ** (j + 1) for j, c in enumerate(coefficients))
+def _sphere(coefficients: Array, w: Array) -> Array:
+    value: Array = sum(c * w ** (j + 1) for j, c in enumerate(coefficients))
     return value
 
 
@@ -348,7 +348,7 @@ def write() -> None:
     Path(law.__file__).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _text(value: FloatArray, indent: str) -> str:
+def _text(value: Array, indent: str) -> str:
     texts = [", ".join(f"{each:.9g}" for each in row) for row in np.atleast_2d(value)]
     inner = texts[0] if value.ndim == 1 else ", ".join(f"[{text}]" for text in texts)
     inside = f"{indent}    "
@@ -356,7 +356,7 @@ def _text(value: FloatArray, indent: str) -> str:
     return f"np.array([\n{wrapped}\n{indent}])"
 
 
-def coefficients() -> dict[str, FloatArray]:
+def coefficients() -> dict[str, Array]:
     """Return a copy of all coefficients that the laws use now, by name."""
     values = {name: getattr(law, name) for name in _MEANINGS}
     return {
@@ -376,7 +376,7 @@ def fit_all() -> None:
     fit_guesses()
 
 
-def fitted() -> dict[str, FloatArray]:
+def fitted() -> dict[str, Array]:
     """Return all coefficients, fitted again; the laws keep theirs."""
     with patch.multiple(law, **{name: getattr(law, name) for name in _MEANINGS}):
         fit_all()

@@ -11,8 +11,8 @@ from unittest.mock import patch
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.derive.fit import changed, meanings
 from benchmarks.truth import image_sets
 from fingerpad.exceptions import ImageError
@@ -37,7 +37,7 @@ class Seen(NamedTuple):
     letters: bool
 
 
-def _with_text(pixels: npt.NDArray[Any], mm_per_px: float, rng: np.random.Generator) -> npt.NDArray[Any]:
+def _with_text(pixels: Array, mm_per_px: float, rng: Rng) -> Array:
     """Write a line across the middle half of an image, as dark as its darkest ridges."""
     height = rng.uniform(*_HEIGHT_MM) / mm_per_px
     font, stroke = int(rng.choice(_FONTS)), max(1, round(_STROKE * height))

@@ -13,10 +13,10 @@ from unittest.mock import patch
 
 import numpy as np
 
+from benchmarks.arrays import Array
 from benchmarks.claims import photograph_terms
 from benchmarks.claims.finger_shapes import FAMILIES, measured
 from benchmarks.derive.fit import Compared, Problem
-from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image import PhotographFit
 from fingerpad.image.photograph import face_arc, shape
@@ -35,7 +35,7 @@ class SeenFace(NamedTuple):
     """The arc of a face, and its true semi-axes, mm."""
 
     arc: FaceArc
-    semi_axes: FloatArray
+    semi_axes: Array
 
 
 @lru_cache(maxsize=2)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from benchmarks.arrays import Array
 from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.elliptic import curvature_ratio
@@ -25,14 +25,14 @@ _SIZES = 0.15, 0.3, 0.5, 0.75, 1.05, 1.4, 1.9, 2.5, 3.1
 _POISSON_RATIOS = 0.3, 0.36, 0.42, 0.46, 0.49, 0.5
 
 
-def layer_spectrum(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
+def layer_spectrum(poisson_ratio: float) -> tuple[Array, Array]:
     """Return wavenumbers times thickness, and M − 1 there times the weights of Gauss' quadrature."""
     node, weight = np.polynomial.legendre.leggauss(300)
     wavenumber = 15 * (node + 1)
     return wavenumber, 15 * weight * (layer_compliance_ratio(wavenumber, poisson_ratio) - 1)
 
 
-def circular_contacts(sizes: FloatArray, poisson_ratio: float, nodes: int = 48) -> FloatArray:
+def circular_contacts(sizes: Array, poisson_ratio: float, nodes: int = 48) -> Array:
     """Return W/W_H and ξ/ξ_H at equal area, and p0/p0_H at equal load, for paraboloids on a bonded layer.
 
     With the Hankel transform of the pressure ∫φ(s) cos(qs) ds over the contact's radius, φ satisfies a
@@ -57,7 +57,7 @@ def circular_contacts(sizes: FloatArray, poisson_ratio: float, nodes: int = 48) 
     return np.array(found)
 
 
-def _central_pressure(s: FloatArray, phi: FloatArray) -> float:
+def _central_pressure(s: Array, phi: Array) -> float:
     """Return −½∫φ'(s)/s ds: φ is even, so this is −2∫ dφ/d(2s² − 1) ds."""
     chebyshev = np.polynomial.chebyshev
     slope = chebyshev.chebder(chebyshev.chebfit(2 * s**2 - 1, phi, 16))
@@ -65,14 +65,14 @@ def _central_pressure(s: FloatArray, phi: FloatArray) -> float:
     return float(-weight @ chebyshev.chebval(2 * ((node + 1) / 2) ** 2 - 1, slope))
 
 
-def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
+def kept_contacts(rows: Array, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
     """Return placements and tissue of kept contacts, of E* = 1."""
     if not is_pad:
         return Paraboloid(1000.0, rows[:, 2]), Tissue.of_reduced_modulus(1.0, rows[:, 0], thickness=1.0)
     return kept_pads(rows), Tissue.of_reduced_modulus(1.0, rows[:, 6], thickness=rows[:, 5])
 
 
-def kept_pads(rows: FloatArray) -> Placement:
+def kept_pads(rows: Array) -> Placement:
     """Return the pads of kept contacts on their plates."""
     return Placement(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
 
@@ -104,7 +104,7 @@ def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[fl
     return _row(found, poisson_ratio, axis_ratio, small)
 
 
-def pads(count: int, seed: int, *, on_layer: bool) -> FloatArray:
+def pads(count: int, seed: int, *, on_layer: bool) -> Array:
     """Solve random pads of the sizes of fingers, at random placements, on deep tissue or on a random layer.
 
     Of each it returns semi-axes, wedge and roll, thickness and ν, then the results as `elliptical` has them.

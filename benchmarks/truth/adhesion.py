@@ -14,15 +14,13 @@ Records of Maugis and Dugdale's theory (kind "md") follow Maugis (1992), with th
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-Array: TypeAlias = npt.NDArray[np.float64]
-Rng: TypeAlias = np.random.Generator
+from benchmarks.arrays import Array, Rng
 
 POISSON = 0.5
 KINDS = (

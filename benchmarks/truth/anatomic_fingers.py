@@ -12,16 +12,15 @@ import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.finger_outlines import ROUGHNESS_MM, cover, even, leaning, normals
 from fingerpad.image import Face
 
-Array = npt.NDArray[np.float64]
 Support = Callable[[Array], Array]
 
 FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
@@ -44,14 +43,14 @@ def _firey(power: float, *parts: Support) -> Support:
     return lambda n: np.linalg.norm([part(n) for part in parts], ord=power, axis=0)
 
 
-def _flat(axes: Array, rng: np.random.Generator, normal: int, turn: float) -> Support:
+def _flat(axes: Array, rng: Rng, normal: int, turn: float) -> Support:
     share, thin = rng.uniform(0.25, 0.4), rng.uniform(0.1, 0.18)
     plate = np.full(3, share)
     plate[normal] = thin
     return _sum(_ellipsoid(axes * (1 - plate)), _ellipsoid(axes * plate, turn=turn))
 
 
-def _body(name: str, axes: Array, rng: np.random.Generator) -> Support:
+def _body(name: str, axes: Array, rng: Rng) -> Support:
     a, b, c = axes
     power = rng.uniform(3, 6)
     if name == "flat pad":
@@ -78,7 +77,7 @@ def _point(support: Support, normal: Array) -> Array:
     """Return the place of contact with these normals: the gradient of the support function."""
     step = 1e-4 * np.eye(3)
     n = normal[..., None, :]
-    return np.asarray((support(n + step) - support(n - step)) / 2e-4)
+    return (support(n + step) - support(n - step)) / 2e-4
 
 
 def _radii(support: Support, wedge: float) -> Array:
@@ -96,12 +95,12 @@ class AnatomicFinger:
 
     name: str
     mm_per_px: float
-    photographs: dict[Face, npt.NDArray[np.uint8]]
+    photographs: dict[Face, Pixels]
     semi_axes: dict[Face, tuple[float, float]]
     radii: Array
 
 
-def draw(name: str, rng: np.random.Generator) -> AnatomicFinger:
+def draw(name: str, rng: Rng) -> AnatomicFinger:
     """Draw one finger and its three photographs."""
     axes = np.array([rng.uniform(6, 9), rng.uniform(10, 15), rng.uniform(8, 11)])
     support = _body(name, axes, rng)
@@ -124,7 +123,7 @@ def draw(name: str, rng: np.random.Generator) -> AnatomicFinger:
 
 
 def _parts(
-    rng: np.random.Generator, support: Support, face: Face, bend: float, overhang: float
+    rng: Rng, support: Support, face: Face, bend: float, overhang: float
 ) -> tuple[Array, Array, Array | None]:
     """Return outlines (right, up), mm, of the tip, the shaft and the nail, None where it is not seen."""
     t = np.linspace(0, 2 * math.pi, 3000, endpoint=False)
@@ -165,9 +164,7 @@ def _parts(
     return tip, shaft, nail - [0.0, 0.0 if overhang else 0.12 * top]
 
 
-def _photograph(
-    rng: np.random.Generator, parts: tuple[Array, Array, Array | None], face: Face, scale: float
-) -> npt.NDArray[np.uint8]:
+def _photograph(rng: Rng, parts: tuple[Array, Array, Array | None], face: Face, scale: float) -> Pixels:
     tip, shaft, nail = parts
     turn = leaning(rng)
     seen = [part @ turn for part in (tip, shaft)]
@@ -182,7 +179,7 @@ def _photograph(
     def share(*outlines: Array) -> Array:
         return cover(list(outlines), (low[0], high[1]), (rows, columns), scale)
 
-    def blurred(image: npt.NDArray[Any], mm: float) -> Array:
+    def blurred(image: Array, mm: float) -> Array:
         return np.asarray(cv2.GaussianBlur(image, (0, 0), mm / scale), dtype=np.float64)
 
     finger = share(*(_rough(rng, outline) for outline in seen))
@@ -210,11 +207,11 @@ def _photograph(
     return np.asarray(cv2.imdecode(coded, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
 
 
-def _rough(rng: np.random.Generator, outline: Array) -> Array:
+def _rough(rng: Rng, outline: Array) -> Array:
     """Return the outline in even steps, roughened, alike over 0.3 mm."""
     skin = even(outline)
     noise = cv2.GaussianBlur(rng.standard_normal((len(skin), 1)), (1, 41), 0, sigmaY=6)
-    return np.asarray(skin + ROUGHNESS_MM * noise / noise.std() * normals(skin))
+    return skin + ROUGHNESS_MM * noise / noise.std() * normals(skin)
 
 
 def fingers(count: int, seed: int) -> list[AnatomicFinger]:

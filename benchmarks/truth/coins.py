@@ -10,12 +10,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.true_image import eight_bit
-
-Array = npt.NDArray[np.float64]
-Rng = np.random.Generator
 
 UP = np.array([0.0, 0.0, 1.0])
 SHAPE = (360, 480)
@@ -30,7 +27,7 @@ NOT_ONE_COIN = ("two coins", "cut by the frame", "no coin", "a square")
 class Scene(NamedTuple):
     """A photograph, and the true centre (row, column) and semi-axes of the disc's top outline, px."""
 
-    pixels: npt.NDArray[np.uint8]
+    pixels: Pixels
     centre: tuple[float, float]
     semi_major: float
     semi_minor: float
@@ -181,7 +178,7 @@ def _lamps(kind: str, table: float, rng: Rng) -> Lamps:
 
 
 def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=0, keepdims=True))
+    return vectors / np.linalg.norm(vectors, axis=0, keepdims=True)
 
 
 def _mirrored(normal: Array, rays: Array, lamps: Lamps, roughness: float) -> Array:
@@ -196,7 +193,7 @@ def _mirrored(normal: Array, rays: Array, lamps: Lamps, roughness: float) -> Arr
         glare = np.exp((np.tensordot(part, reflected, 1) - 1) / lobe)
         seen = seen + lamps.direct * 0.35 / lobe**0.5 / len(lamps.parts) * glare
     share = 0.5 - 0.5 * np.tanh(reflected[2] / (0.5 * roughness))
-    return np.asarray((1 - share) * seen + share * 0.4 * lamps.table)
+    return (1 - share) * seen + share * 0.4 * lamps.table
 
 
 def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamps) -> Array:
@@ -228,7 +225,7 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
     return seen
 
 
-def _bounding_box(mask: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
+def _bounding_box(mask: Array) -> tuple[slice, slice]:
     rows, columns = (np.flatnonzero(mask.any(axis=k)) for k in (1, 0))
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
 
@@ -283,10 +280,10 @@ def _ground(kind: str, points: Array, discs: list[Disc], lamps: Lamps, rng: Rng)
         lit = lit * (0.5 + np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / rng.uniform(2, 8)))
     seen = lamps.table * texture * lit
     if prism:
-        return np.asarray(seen)
+        return seen
     for disc in discs if kind not in ("no coin", "a square") else []:
         seen = seen * _shaded(x - disc.x, y - disc.y, disc, lamps)
-    return np.asarray(seen)
+    return seen
 
 
 def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
@@ -307,7 +304,7 @@ def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
     gap = np.abs(beside - disc.size)
     # A long wall hides half the sky at its foot, and gives back what the metal mirrors of the table.
     sky = 1 - 0.5 * (1 - disc.metal) * (1 - gap / np.hypot(gap, disc.thickness))
-    return np.asarray(lamps.direct * (1 - hidden) + (1 - lamps.direct) * sky)
+    return lamps.direct * (1 - hidden) + (1 - lamps.direct) * sky
 
 
 def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
@@ -319,7 +316,7 @@ def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
     name = str(rng.choice(names))
 
     def noise(s: float) -> Array:
-        return np.asarray(cv2.GaussianBlur(rough[s], (0, 0), s) * s * 3.5)
+        return cv2.GaussianBlur(rough[s], (0, 0), s) * s * 3.5
 
     u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
     if name == "paper":
@@ -334,7 +331,7 @@ def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
         seen = 1 + 0.08 * noise(1.5) + 0.08 * noise(4.0) + 0.05 * noise(12.0)
     else:
         seen = 1 + 0.01 * noise(1.5) - line * (np.abs((v * 2) % 1 - 0.5) < 0.02)
-    return np.asarray(np.clip(seen, 0.05, 2))
+    return np.clip(seen, 0.05, 2)
 
 
 def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:
@@ -365,7 +362,7 @@ def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:
         wet = np.where((far < 1) & ridges, contact, light)
         ghost = rng.uniform(0.02, 0.08)
         shift = int(rng.integers(6, 18))
-        return np.asarray((1 - ghost) * wet + ghost * np.roll(wet, shift, axis=1))
+        return (1 - ghost) * wet + ghost * np.roll(wet, shift, axis=1)
     return light
 
 
@@ -373,10 +370,10 @@ def _cast_shadow(points: Array, rng: Rng) -> Array:
     """Return the light left by a hand or telephone held between lamp and table."""
     turn = rng.uniform(0, 2 * math.pi)
     edge = points[0] * math.cos(turn) + points[1] * math.sin(turn) - rng.uniform(-0.6, 0.6)
-    return np.asarray(1 - rng.uniform(0.25, 0.65) * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24))))
+    return 1 - rng.uniform(0.25, 0.65) * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24)))
 
 
-def _exposed(light: Array, kind: str, rng: Rng) -> npt.NDArray[np.uint8]:
+def _exposed(light: Array, kind: str, rng: Rng) -> Pixels:
     """Return the photograph: lens, sensor, noise, sRGB's curve and JPEG."""
     lens = cv2.GaussianBlur(light, (0, 0), rng.uniform(0.5, 1.5) * OVERSAMPLING)
     small = cv2.resize(lens, SHAPE[::-1], interpolation=cv2.INTER_AREA)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.pressed_pad import Contact, smooth_noise
-from benchmarks.truth.ridge_growth import Field
 from benchmarks.truth.true_image import eight_bit
 
 
@@ -39,11 +38,11 @@ class Optics:
     jpeg: int = 0
 
 
-def _blur(field: Field, mm: float, contact: Contact) -> Field:
-    return np.asarray(cv2.GaussianBlur(field.astype(np.float32), (0, 0), max(mm / contact.mm, 0.3)))
+def _blur(field: Array, mm: float, contact: Contact) -> Array:
+    return cv2.GaussianBlur(field.astype(np.float32), (0, 0), max(mm / contact.mm, 0.3))
 
 
-def _wetted(contact: Contact, optics: Optics, rng: np.random.Generator) -> Field:
+def _wetted(contact: Contact, optics: Optics, rng: Rng) -> Array:
     """Share of each point that couples light: contact that fades with low pressure, and sweat beside it."""
     grip = 1 - optics.fade * np.exp(-np.maximum(contact.pressure, 0) / optics.fade_pressure)
     fine, coarse = (smooth_noise(grip.shape, length / contact.mm, rng) for length in (0.05, 0.4))
@@ -61,7 +60,7 @@ def _wetted(contact: Contact, optics: Optics, rng: np.random.Generator) -> Field
     return np.asarray(density, np.float32)
 
 
-def _inked(contact: Contact, optics: Optics, rng: np.random.Generator) -> Field:
+def _inked(contact: Contact, optics: Optics, rng: Rng) -> Array:
     """Ink that a touching ridge leaves on paper: squeezed to its borders, blotted, and broken by fibres."""
     near = _blur(contact.touching, 0.03, contact)
     grip = 1 - optics.fade * np.exp(-contact.pressure / optics.fade_pressure)
@@ -83,14 +82,14 @@ def _inked(contact: Contact, optics: Optics, rng: np.random.Generator) -> Field:
     return np.asarray(np.maximum(film, 0.8 * speck), np.float32)
 
 
-def _lifted_ridges(contact: Contact) -> Field:
+def _lifted_ridges(contact: Contact) -> Array:
     """Ridges that do not touch, seen through the plate: fainter and less sharp as the gap opens."""
     beyond = np.maximum(contact.outside, 0)
     crest = (1 + np.cos(contact.phase)) / 2
     return np.asarray(crest * np.exp(-(beyond**1.5) / 0.8), np.float32)
 
 
-def _density(contact: Contact, optics: Optics, rng: np.random.Generator) -> Field:
+def _density(contact: Contact, optics: Optics, rng: Rng) -> Array:
     if optics.device == "ink":
         return _inked(contact, optics, rng)
     density = _wetted(contact, optics, rng)
@@ -113,7 +112,7 @@ def _density(contact: Contact, optics: Optics, rng: np.random.Generator) -> Fiel
     return np.asarray(density, np.float32)
 
 
-def _add_dirt(picture: Field, count: int, rng: np.random.Generator) -> None:
+def _add_dirt(picture: Array, count: int, rng: Rng) -> None:
     """Grains, fibres and scratches, anywhere."""
     rows, columns = picture.shape
     for _ in range(count):
@@ -128,7 +127,7 @@ def _add_dirt(picture: Field, count: int, rng: np.random.Generator) -> None:
             cv2.polylines(picture, [path], False, grey, 1, cv2.LINE_AA)
 
 
-def _lit(density: Field, optics: Optics, rng: np.random.Generator) -> Field:
+def _lit(density: Array, optics: Optics, rng: Rng) -> Array:
     """Brightness of each pixel, 0 to 1."""
     rows, columns = density.shape
     y, x = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j]
@@ -148,12 +147,10 @@ def _lit(density: Field, optics: Optics, rng: np.random.Generator) -> Field:
         picture = picture + 0.8 * (picture - cv2.GaussianBlur(picture, (0, 0), 1.5))
         local = smooth_noise(density.shape, 1.2, rng) * cv2.GaussianBlur(density, (0, 0), 8) * 0.1
         picture = 1.06 * picture / optics.background + local * 0.6
-    return np.asarray(picture)
+    return picture
 
 
-def photograph(
-    contact: Contact, optics: Optics, pixels: int, rng: np.random.Generator
-) -> npt.NDArray[np.uint8]:
+def photograph(contact: Contact, optics: Optics, pixels: int, rng: Rng) -> Pixels:
     """Return the 8-bit picture; each pixel is `pixels` × `pixels` points of the fine grid."""
     density = _density(contact, optics, rng)
     density = cv2.GaussianBlur(density, (0, 0), max(optics.blur * pixels, 0.3))

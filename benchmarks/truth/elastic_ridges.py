@@ -9,16 +9,14 @@ spreads, and contact too faint to see count as errors of the measurement.
 
 import zlib
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from benchmarks.truth.true_image import Range, TrueImage, eight_bit
+from benchmarks.arrays import Array, Range, Rng
+from benchmarks.truth.true_image import TrueImage, eight_bit
 
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
-Numbers = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -66,16 +64,16 @@ CONDITIONS = {
 }
 
 
-def smooth(rng: np.random.Generator, shape: tuple[int, int], length: float) -> Numbers:
+def smooth(rng: Rng, shape: tuple[int, int], length: float) -> Array:
     """Return noise of unit variance over a length in samples."""
     coarse = max(length / 3, 1.0)
     white = rng.normal(size=[int(n / coarse) + 3 for n in shape]).astype(np.float32)
     noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
     enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return np.asarray(enlarged[: shape[0], : shape[1]])
+    return enlarged[: shape[0], : shape[1]]
 
 
-def _phase(x: Numbers, y: Numbers, step: float, rng: np.random.Generator) -> Numbers:
+def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
     """Phase of the ridges, 0 on a crest: a whorl, a loop or an arch, bent, with spirals as minutiae."""
     period = rng.uniform(0.4, 0.56)
     bend = 0.35 * smooth(rng, x.shape, 2.5 / step)
@@ -95,10 +93,10 @@ def _phase(x: Numbers, y: Numbers, step: float, rng: np.random.Generator) -> Num
     for centre in rng.uniform(-1, 1, (rng.poisson(25), 2)) * reach @ [1, 1j]:
         from_it = places - centre
         spirals *= 0.125 * (from_it if rng.choice([-1, 1]) > 0 else from_it.conj())
-    return np.asarray(phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step))
+    return phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step)
 
 
-def _holes(crest: Numbers, density: float, step: float, rng: np.random.Generator) -> npt.NDArray[np.bool_]:
+def _holes(crest: Array, density: float, step: float, rng: Rng) -> Array:
     """Pores on the crests and a few creases."""
     holes = np.zeros(crest.shape, np.uint8)
     tops = np.argwhere(crest < 0.3)
@@ -110,12 +108,12 @@ def _holes(crest: Numbers, density: float, step: float, rng: np.random.Generator
         end = start + rng.uniform(2, 6) / step * np.array([np.cos(angle), np.sin(angle)])
         wide = max(1, round(rng.uniform(0.06, 0.15) / step))
         cv2.line(holes, start.astype(int).tolist(), end.astype(int).tolist(), 1, wide)
-    return np.asarray(holes > 0)
+    return holes > 0
 
 
 def _contact(
-    x: Numbers, y: Numbers, semi_axes: tuple[float, float], width: float, rng: np.random.Generator
-) -> tuple[npt.NDArray[np.bool_], Numbers]:
+    x: Array, y: Array, semi_axes: tuple[float, float], width: float, rng: Rng
+) -> tuple[Array, Array]:
     """Return where ridges touch, without holes, and the distance from the crest as a share of the period."""
     step = float(y[1, 0] - y[0, 0])
     turn = rng.normal(0, 0.3)
@@ -132,16 +130,16 @@ def _contact(
     return (crest < _share(pressure * heights / flat)) & inside, crest
 
 
-def _share(pressure: Numbers) -> Numbers:
+def _share(pressure: Array) -> Array:
     """Return the share of the period that touches; the valleys of skin are too deep to close."""
-    return np.asarray(np.minimum(2 / np.pi * np.arcsin(np.sqrt(np.minimum(pressure, 1))), _WIDEST))
+    return np.minimum(2 / np.pi * np.arcsin(np.sqrt(np.minimum(pressure, 1))), _WIDEST)
 
 
-def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np.random.Generator) -> Numbers:
+def _picture(touching: Array, step: float, binning: int, c: Condition, rng: Rng) -> Array:
     """Return the image, 0 to 1, of the touching ridges."""
 
-    def blurred(field: Numbers, sigma: float) -> Numbers:
-        return np.asarray(cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3)))
+    def blurred(field: Array, sigma: float) -> Array:
+        return cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3))
 
     shape = touching.shape
     density = touching.astype(np.float32)
@@ -165,7 +163,7 @@ def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np
         kernel = np.clip(disc - np.sqrt(square) + 0.5, 0, 1)
         density = np.asarray(cv2.filter2D(density, -1, kernel / kernel.sum()), np.float32)
     rows, columns = (n // binning for n in shape)
-    seen: Numbers = np.asarray(cv2.resize(density, (columns, rows), interpolation=cv2.INTER_AREA))
+    seen: Array = np.asarray(cv2.resize(density, (columns, rows), interpolation=cv2.INTER_AREA))
     seen = (1 - c.stray) * seen + c.stray * cv2.GaussianBlur(seen, (0, 0), 0.8 / step / binning)
     grey = np.asarray(c.ground + (c.ridge - c.ground) * seen)
     down, right = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j]
@@ -174,7 +172,7 @@ def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np
         grey = grey + c.mottle * smooth(rng, grey.shape, 1.2) * (grey < (c.ground + c.ridge) / 2)
     grey = grey + c.noise * np.sqrt(np.clip(grey, 0.05, None)) * rng.normal(size=grey.shape)
     grey = np.clip(grey, 0, None) ** c.gamma
-    return np.asarray(grey + c.sharpen * (grey - cv2.GaussianBlur(grey, (0, 0), 1.2)))
+    return grey + c.sharpen * (grey - cv2.GaussianBlur(grey, (0, 0), 1.2))
 
 
 def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:

@@ -4,11 +4,9 @@ import math
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Rng
 from fingerpad.image import Face
-
-Array = npt.NDArray[np.float64]
 
 ROUGHNESS_MM = 0.012
 # Least and greatest semi-axes across and along.
@@ -34,7 +32,7 @@ def normals(points: Array) -> Array:
     return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
 
 
-def leaning(rng: np.random.Generator) -> Array:
+def leaning(rng: Rng) -> Array:
     """Return a matrix that turns points, as rows, by up to three degrees."""
     lean = math.radians(rng.uniform(-3, 3))
     return np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])

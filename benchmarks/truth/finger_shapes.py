@@ -10,12 +10,10 @@ from typing import Final
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.finger_outlines import ROUGHNESS_MM, SIZES_MM, cover, even, leaning, normals
 from fingerpad.image import Face
-
-Array = npt.NDArray[np.float64]
 
 # By name: exponents right and left of the tip, or another curve.
 SHAPES: Final[dict[str, tuple[float, float] | str]] = {
@@ -35,7 +33,7 @@ _SHAFT = 1.6
 class ShapedFinger:
     """A photograph of a finger, its true semi-axes across and along, and the outline of its tip, mm."""
 
-    pixels: npt.NDArray[np.uint8]
+    pixels: Pixels
     face: Face
     mm_per_px: float
     semi_axes: tuple[float, float]
@@ -94,7 +92,7 @@ def _body(tip: Array, face: Face, proximal: float) -> Array:
     return np.concatenate([pad[::-1], tip[1:], [[-across, low], [0.95 * pad[-1, 0], low]]])
 
 
-def render(shape: tuple[float, float] | str, rng: np.random.Generator, face: Face) -> ShapedFinger:
+def render(shape: tuple[float, float] | str, rng: Rng, face: Face) -> ShapedFinger:
     """Draw one finger before a backdrop, with rough skin, blur, pixels and noise."""
     scale = rng.uniform(0.045, 0.07)
     across, along = (rng.uniform(*limits) for limits in SIZES_MM[face])
@@ -107,9 +105,7 @@ def render(shape: tuple[float, float] | str, rng: np.random.Generator, face: Fac
     return ShapedFinger(photograph_outline(rng, body, face, scale), face, scale, (across, along), tip)
 
 
-def photograph_outline(
-    rng: np.random.Generator, body: Array, face: Face, scale: float
-) -> npt.NDArray[np.uint8]:
+def photograph_outline(rng: Rng, body: Array, face: Face, scale: float) -> Pixels:
     """Draw a closed outline as rough skin before a backdrop."""
     skin = even(body)
     outline = (skin + normals(skin) * _rough(rng, len(skin))[:, None]) @ leaning(rng)
@@ -127,8 +123,8 @@ def photograph_outline(
     return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
 
 
-def _rough(rng: np.random.Generator, count: int) -> Array:
+def _rough(rng: Rng, count: int) -> Array:
     """Return the skin's roughness, alike over 0.3 mm."""
     kernel = np.exp(-0.5 * (np.arange(-20, 21) / 6) ** 2)
     noise = np.convolve(rng.standard_normal(count + 40), kernel, mode="valid")
-    return np.asarray(ROUGHNESS_MM * noise / noise.std())
+    return ROUGHNESS_MM * noise / noise.std()

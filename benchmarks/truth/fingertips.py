@@ -12,13 +12,11 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from benchmarks.arrays import Array, Rng
 from benchmarks.truth.finger_outlines import SIZES_MM
 from benchmarks.truth.finger_shapes import ShapedFinger, photograph_outline
 from fingerpad.image import Face
-
-Array = npt.NDArray[np.float64]
 
 # Normals from the fold below the pad of a side face, over the tip, to the widest place on the other side.
 _PSI: Final = np.linspace(math.radians(-50), math.pi, 8001)
@@ -26,43 +24,43 @@ _PSI: Final = np.linspace(math.radians(-50), math.pi, 8001)
 
 def _ellipse(psi: Array, across: float, along: float) -> Array:
     support = np.sqrt((across * np.cos(psi)) ** 2 + (along * np.sin(psi)) ** 2)
-    return np.asarray((across * along) ** 2 / support**3)
+    return (across * along) ** 2 / support**3
 
 
 def _bump(psi: Array, centre_deg: float, width_deg: float) -> Array:
-    return np.asarray(np.exp(-0.5 * ((psi - math.radians(centre_deg)) / math.radians(width_deg)) ** 2))
+    return np.exp(-0.5 * ((psi - math.radians(centre_deg)) / math.radians(width_deg)) ** 2)
 
 
 def _step(psi: Array, at_deg: float, width_deg: float) -> Array:
     """Return a smooth step from -1 to 1."""
-    return np.asarray(np.tanh((psi - math.radians(at_deg)) / math.radians(width_deg)))
+    return np.tanh((psi - math.radians(at_deg)) / math.radians(width_deg))
 
 
-def _egg(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+def _egg(psi: Array, across: float, along: float, rng: Rng) -> Array:
     """Return the radii of an egg: an ellipse whose support function has a third harmonic; it stays convex."""
     ellipse = _ellipse(psi, across, along)
     share = rng.choice([-1, 1]) * rng.uniform(0.2, 0.45) * ellipse.min()
-    return np.asarray(ellipse + share * np.sin(3 * psi))
+    return ellipse + share * np.sin(3 * psi)
 
 
-def _arch(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+def _arch(psi: Array, across: float, along: float, rng: Rng) -> Array:
     """Return the radii of an arch of three circles, run into one another over 12 degrees."""
     ends = np.log(_ellipse(np.radians([0.0, 90.0]), across, along))
     side, tip = ends.mean() + rng.uniform(0.55, 0.75) * (ends - ends.mean())
     at = rng.uniform(38, 52)
     inside = 0.5 * (_step(psi, at, 12) - _step(psi, 180 - at, 12))
-    return np.asarray(np.exp(side + (tip - side) * inside))
+    return np.exp(side + (tip - side) * inside)
 
 
-def _random(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+def _random(psi: Array, across: float, along: float, rng: Rng) -> Array:
     order = np.arange(1, 5)
     phase, size = rng.uniform(0, 2 * math.pi, 4), rng.normal(0, 0.16, 4) / np.sqrt(order)
-    return np.asarray(_ellipse(psi, across, along) * np.exp(np.cos(psi[:, None] * order + phase) @ size))
+    return _ellipse(psi, across, along) * np.exp(np.cos(psi[:, None] * order + phase) @ size)
 
 
-def _scaled(factor: Callable[[Array, np.random.Generator], Array]) -> Callable[..., Array]:
-    def radii(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
-        return np.asarray(_ellipse(psi, across, along) * factor(psi, rng))
+def _scaled(factor: Callable[[Array, Rng], Array]) -> Callable[..., Array]:
+    def radii(psi: Array, across: float, along: float, rng: Rng) -> Array:
+        return _ellipse(psi, across, along) * factor(psi, rng)
 
     return radii
 
@@ -91,7 +89,7 @@ def _outline(radii: Array) -> Array:
     return np.concatenate([np.zeros((1, 2)), np.cumsum(step * (pace[1:] + pace[:-1]) / 2, axis=0)])
 
 
-def render(name: str, rng: np.random.Generator, face: Face) -> ShapedFinger:
+def render(name: str, rng: Rng, face: Face) -> ShapedFinger:
     """Draw one finger before a backdrop, with rough skin, blur, pixels and noise."""
     scale = rng.uniform(0.045, 0.07)
     across, along = (rng.uniform(*limits) for limits in SIZES_MM[face])
@@ -107,7 +105,7 @@ def render(name: str, rng: np.random.Generator, face: Face) -> ShapedFinger:
     return ShapedFinger(photograph_outline(rng, shaft, face, scale), face, scale, reach, tip)
 
 
-def _shaft(rng: np.random.Generator, tip: Array, face: Face, seen: Array) -> Array:
+def _shaft(rng: Rng, tip: Array, face: Face, seen: Array) -> Array:
     """Return a closed outline: the tip, and a finger that narrows by up to three degrees below it."""
     across, along = tip[0, 0], tip[:, 1].max()
     if face == "distal":

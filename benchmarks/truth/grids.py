@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.arrays import Array
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -23,7 +25,7 @@ class Scene:
     squeeze: float = 1.0
     bend: float = 0.0
 
-    def plane_of(self, row: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def plane_of(self, row: Array, column: Array) -> tuple[Array, Array]:
         """Return the place (x, y) on the plane that a pixel shows."""
         u = (column - (self.columns - 1) / 2) / self.squeeze / self.focal
         v = (row - (self.rows - 1) / 2) / self.focal
@@ -48,7 +50,7 @@ class Scene:
 
     def picture(
         self, points: tuple[int, int], spacing: float, pattern: str, noise: float = 3.0, seed: int = 0
-    ) -> np.ndarray:
+    ) -> Array:
         """Return a checkerboard with so many inner corners, or a grid of dots, its middle at the origin."""
         fine = 4
         offsets = (np.arange(fine) + 0.5) / fine - 0.5
@@ -57,7 +59,7 @@ class Scene:
         for down in offsets:
             for right in offsets:
                 x, y = self.plane_of(rows + down, columns + right)
-                # Numbers of the points from 0; between them in a checkerboard are squares.
+                # Array of the points from 0; between them in a checkerboard are squares.
                 i, j = y / spacing + (points[0] - 1) / 2, x / spacing + (points[1] - 1) / 2
                 if pattern == "checkerboard":
                     on_board = (i > -1) & (i < points[0]) & (j > -1) & (j < points[1])

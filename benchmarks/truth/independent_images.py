@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import ndimage
 
+from benchmarks.arrays import Array, Range, Rng
 from benchmarks.truth.independent_ridges import Outline, RidgedContact, draw_contact, smooth_noise, stamp
-from benchmarks.truth.true_image import Range, TrueImage
+from benchmarks.truth.true_image import TrueImage
 
 SUBPIXEL = 0.0135
 FWHM = 2.3548
@@ -98,8 +99,8 @@ class IndependentImage(TrueImage):
 
     ground: float  # grey of untouched glass at the contact's centre, without noise, in units of `pixels`
     condition: Condition
-    outline: np.ndarray  # points x, y
-    centre: np.ndarray  # centroid of the gross area
+    outline: Array  # points x, y
+    centre: Array  # centroid of the gross area
     orientation: float  # of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]
 
 
@@ -117,7 +118,7 @@ def independent_image(name: str, number: int, seed: int) -> IndependentImage:
     return render(np.random.default_rng([seed, zlib.crc32(name.encode()), number]), CONDITIONS[name])
 
 
-def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
+def render(rng: Rng, condition: Condition) -> IndependentImage:
     """Return an image of a random contact under a condition.
 
     The contact is drawn from one stream of random numbers and the device from another, so that the truth is
@@ -142,9 +143,7 @@ def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
     )
 
 
-def _photograph(
-    rng: np.random.Generator, contact: RidgedContact, condition: Condition
-) -> tuple[np.ndarray, float, np.ndarray]:
+def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> tuple[Array, float, Array]:
     """Return pixels, the ground's grey at the contact and the place of its origin in the image, in mm."""
     step = 25.4 / condition.ppi
     low, high = contact.outline.points().min(axis=0), contact.outline.points().max(axis=0)
@@ -167,9 +166,7 @@ def _photograph(
     return pixels, full * min(float(light[at] * ground + glare[at]), 1.0), origin
 
 
-def _lighting(
-    rng: np.random.Generator, shape: tuple[int, int], condition: Condition
-) -> tuple[np.ndarray, np.ndarray]:
+def _lighting(rng: Rng, shape: tuple[int, int], condition: Condition) -> tuple[Array, Array]:
     """Return the relative light and the grey of the glare over the image."""
     v, u = np.linspace(-1, 1, shape[0])[:, None], np.linspace(-1, 1, shape[1])[None, :]
     slope, turn = rng.uniform(0, 2 * np.pi, 2)
@@ -178,9 +175,7 @@ def _lighting(
     return 1 + condition.lighting * light, condition.glare * glare
 
 
-def _darkness(
-    rng: np.random.Generator, contact: RidgedContact, condition: Condition, x: np.ndarray, y: np.ndarray
-) -> np.ndarray:
+def _darkness(rng: Rng, contact: RidgedContact, condition: Condition, x: Array, y: Array) -> Array:
     """Return the darkness of pixels before the blur: 0 for clean glass, 1 for a usual ridge."""
     step, shape = x[1] - x[0], (y.size, x.size)
     rho = np.sqrt(contact.outline.level(x[None, :], y[:, None]))
@@ -197,12 +192,10 @@ def _darkness(
     band = condition.rim * np.exp(-0.5 * (inside * FWHM / width) ** 2)
     wet = np.clip(0.7 + 0.6 * _slow_noise(rng, shape, step, 1.5), 0, 1.3)
     clear = (1 - ridges) * (1 - haze) * (1 - dirt) * (1 - latent) * (1 - band * wet)
-    return np.asarray(1 - clear)
+    return 1 - clear
 
 
-def _ridge_darkness(
-    contact: RidgedContact, full_contrast_pressure: float, x: np.ndarray, y: np.ndarray
-) -> np.ndarray:
+def _ridge_darkness(contact: RidgedContact, full_contrast_pressure: float, x: Array, y: Array) -> Array:
     """Return the mean over each pixel of the contrast of what touches in it."""
     step = x[1] - x[0]
     parts = int(np.ceil(step / SUBPIXEL))
@@ -218,14 +211,14 @@ def _ridge_darkness(
     return darkness
 
 
-def _slow_noise(rng: np.random.Generator, shape: tuple[int, int], step: float, length: float) -> np.ndarray:
+def _slow_noise(rng: Rng, shape: tuple[int, int], step: float, length: float) -> Array:
     """Return smooth noise of unit variance that varies over a length in mm."""
     knots = rng.standard_normal([int(n * step / length) + 4 for n in shape])
     noise = ndimage.zoom(knots, np.array(shape) / knots.shape, order=3, mode="nearest", grid_mode=True)
-    return np.asarray(noise / noise.std())
+    return noise / noise.std()
 
 
-def _dirt(rng: np.random.Generator, shape: tuple[int, int], step: float, density: float) -> np.ndarray:
+def _dirt(rng: Rng, shape: tuple[int, int], step: float, density: float) -> Array:
     """Return the darkness of specks and fibres that lie anywhere on the glass."""
     dirt = np.zeros(shape)
     area = dirt.size * step**2
@@ -243,9 +236,7 @@ def _dirt(rng: np.random.Generator, shape: tuple[int, int], step: float, density
     return np.clip(dirt, 0, 0.9)
 
 
-def _smears(
-    rng: np.random.Generator, outline: Outline, count: int, x: np.ndarray, y: np.ndarray
-) -> np.ndarray:
+def _smears(rng: Rng, outline: Outline, count: int, x: Array, y: Array) -> Array:
     """Return the darkness of streaky or ridged remains of earlier contacts around an outline."""
     total = np.zeros((y.size, x.size))
     for place in outline.points()[rng.integers(2000, size=count)] * rng.uniform(1.05, 1.5, (count, 1)):

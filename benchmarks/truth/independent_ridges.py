@@ -17,6 +17,8 @@ from functools import cached_property
 import numpy as np
 from scipy import fft, ndimage, sparse
 
+from benchmarks.arrays import Array, Rng
+
 GRID_STEP = 0.05
 AREA_STEP = 0.008
 MARGIN = 1.2
@@ -35,36 +37,36 @@ class Outline:
     axis: float  # angle of the axis of a from straight up in the image, counter-clockwise as seen, radians
     terms: tuple[tuple[float, float], ...] = ()  # amplitudes cₖ and phases φₖ
 
-    def radius(self, t: np.ndarray) -> np.ndarray:
+    def radius(self, t: Array) -> Array:
         """Return s(t)."""
         return 1 + sum(
             (c * np.cos(k * t - phase) for k, (c, phase) in enumerate(self.terms, 2)), np.zeros_like(t)
         )
 
-    def along_across(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def along_across(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Return the coordinates along (distal) and across (to the right of it) for x right and y down."""
         sin, cos = np.sin(self.axis), np.cos(self.axis)
         return -sin * x - cos * y, cos * x - sin * y
 
-    def level(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def level(self, x: Array, y: Array) -> Array:
         """Return ρ², which is 1 on the outline and proportional to the squared distance along each ray."""
         along, across = self.along_across(x, y)
         s = self.radius(np.arctan2(across / self.b, along / self.a))
-        return np.asarray(((along / self.a) ** 2 + (across / self.b) ** 2) / s**2)
+        return ((along / self.a) ** 2 + (across / self.b) ** 2) / s**2
 
     def pressure_at(self, distance: float) -> float:
         """Return √(1 − ρ²) at a distance in mm inside a circle of radius √(a b), and at least 10⁻⁶."""
         inside = min(distance / np.sqrt(self.a * self.b), 1)
         return max(float(np.sqrt(1 - (1 - inside) ** 2)), 1e-6)
 
-    def points(self, count: int = 2000) -> np.ndarray:
+    def points(self, count: int = 2000) -> Array:
         """Return points (count, 2) of the curve, x right and y down."""
         t = 2 * np.pi * np.arange(count) / count
         along, across = self.a * self.radius(t) * np.cos(t), self.b * self.radius(t) * np.sin(t)
         sin, cos = np.sin(self.axis), np.cos(self.axis)
         return np.stack([-sin * along + cos * across, -cos * along - sin * across], axis=-1)
 
-    def moments(self) -> tuple[float, np.ndarray, float, float, float]:
+    def moments(self) -> tuple[float, Array, float, float, float]:
         """Return area, centroid (x, y), semi-axes and orientation of the ellipse of equal second moments.
 
         The integrals over the interior reduce to ∫s² dt, ∫s³ dt and ∫s⁴ dt, which the trapezoidal rule on a
@@ -95,15 +97,15 @@ class RidgedContact:
     """
 
     outline: Outline  # envelope of the touching ridges
-    ridges: np.ndarray  # h
-    loss: np.ndarray  # fraction of the width lost
-    dip: np.ndarray  # what the depth of tops below their envelope takes of the width at low pressure
-    pressure_squared: np.ndarray  # p², negative outside
+    ridges: Array  # h
+    loss: Array  # fraction of the width lost
+    dip: Array  # what the depth of tops below their envelope takes of the width at low pressure
+    pressure_squared: Array  # p², negative outside
     width_fraction: float  # width of a ridge over the period under full pressure, w
     full_width_pressure: float  # p₀, above which ridges have their full width
 
     @cached_property
-    def coefficients(self) -> tuple[np.ndarray, ...]:
+    def coefficients(self) -> tuple[Array, ...]:
         """Coefficients of the splines of ridges, loss, dip and squared pressure."""
         fields = (self.ridges, self.loss, self.dip, self.pressure_squared)
         return tuple(
@@ -111,12 +113,12 @@ class RidgedContact:
         )
 
     @cached_property
-    def levels(self) -> np.ndarray:
+    def levels(self) -> Array:
         """Level of h above which the fraction i/256 of the gross area lies, i = 0 … 256."""
         inside = self.ridges[self.pressure_squared > 0]
         return np.asarray(np.quantile(inside, np.linspace(1, 0, 257)), dtype=np.float32)
 
-    def touching(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def touching(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Return where the ridges touch and the pressure, on a grid within MARGIN of the outline."""
         rows, columns = (
             _spline_weights(at, size) for at, size in zip((y, x), self.ridges.shape, strict=True)
@@ -141,14 +143,14 @@ class RidgedContact:
         return float(count * step**2)
 
 
-def grid_for(outline: Outline, step: float = GRID_STEP) -> tuple[np.ndarray, np.ndarray]:
+def grid_for(outline: Outline, step: float = GRID_STEP) -> tuple[Array, Array]:
     """Return x (1, n) and y (m, 1) of a grid about the origin that holds the outline and MARGIN around it."""
     half = np.ceil((np.abs(outline.points()).max(axis=0) + MARGIN) / step).astype(int)
     x, y = (step * np.arange(-n, n + 1) for n in half)
     return x[None, :], y[:, None]
 
 
-def _spline_weights(at: np.ndarray, size: int) -> sparse.csr_array:
+def _spline_weights(at: Array, size: int) -> sparse.csr_array:
     """Return the matrix (at.size, size) that evaluates a cubic B-spline of a grid about the origin."""
     u = at / GRID_STEP + size // 2
     first = np.floor(u).astype(int)
@@ -161,13 +163,13 @@ def _spline_weights(at: np.ndarray, size: int) -> sparse.csr_array:
     return sparse.csr_array((basis.astype(np.float32).ravel(), (rows, places.ravel())), shape=(at.size, size))
 
 
-def smooth_noise(rng: np.random.Generator, shape: tuple[int, ...], sigma: float) -> np.ndarray:
+def smooth_noise(rng: Rng, shape: tuple[int, ...], sigma: float) -> Array:
     """Return Gaussian noise of zero mean and unit variance, smoothed over sigma samples."""
     noise = ndimage.gaussian_filter(rng.standard_normal(shape), sigma, mode="wrap")
-    return np.asarray(noise / noise.std())
+    return noise / noise.std()
 
 
-def grow_gabor(rng: np.random.Generator, outline: Outline, kind: str, period: float) -> np.ndarray:
+def grow_gabor(rng: Rng, outline: Outline, kind: str, period: float) -> Array:
     """Return a ridge pattern grown from noise by iterated oriented filters along an orientation field.
 
     The kind is loop, whorl or arch, the period in mm; the outline's axis is the finger's. The pattern, on the
@@ -193,7 +195,7 @@ def grow_gabor(rng: np.random.Generator, outline: Outline, kind: str, period: fl
     return _refined(pattern, outline)
 
 
-def grow_swift_hohenberg(rng: np.random.Generator, outline: Outline, kind: str, period: float) -> np.ndarray:
+def grow_swift_hohenberg(rng: Rng, outline: Outline, kind: str, period: float) -> Array:
     """Return a ridge pattern grown by the Swift–Hohenberg equation u̇ = εu − (1 + ∇²/k²)²u − u³.
 
     Fronts that start from the core and from the crease, as in embryonic skin, are the initial state; where
@@ -226,7 +228,7 @@ def grow_swift_hohenberg(rng: np.random.Generator, outline: Outline, kind: str, 
     return _refined(u, outline)
 
 
-def _refined(pattern: np.ndarray, outline: Outline) -> np.ndarray:
+def _refined(pattern: Array, outline: Outline) -> Array:
     """Return the pattern over its local amplitude, on the grid of half the step."""
     amplitude = np.sqrt(2 * ndimage.gaussian_filter(pattern**2, 4))
     x, y = grid_for(outline)
@@ -239,9 +241,7 @@ def _refined(pattern: np.ndarray, outline: Outline) -> np.ndarray:
     return np.asarray(ndimage.map_coordinates(scaled, at, order=3, mode="mirror"), dtype=np.float32)
 
 
-def _ridge_direction(
-    rng: np.random.Generator, outline: Outline, kind: str, x: np.ndarray, y: np.ndarray
-) -> np.ndarray:
+def _ridge_direction(rng: Rng, outline: Outline, kind: str, x: Array, y: Array) -> Array:
     """Return the angle of the ridges from x towards y: cores, deltas and an arch towards the sides."""
     along, across = outline.along_across(x, y)
     z = across + 1j * along
@@ -268,7 +268,7 @@ def _ridge_direction(
 
 
 def draw_contact(
-    rng: np.random.Generator, *, growth: str, width_fade: float, shape: float, features: float, uneven: float
+    rng: Rng, *, growth: str, width_fade: float, shape: float, features: float, uneven: float
 ) -> RidgedContact:
     """Return a contact of 60–300 mm², ratio of axes 1–1.6, ridge period 0.4–0.6 mm and width 0.4–0.75 of it.
 
@@ -293,7 +293,7 @@ def draw_contact(
     )
 
 
-def _draw_outline(rng: np.random.Generator, shape: float) -> Outline:
+def _draw_outline(rng: Rng, shape: float) -> Outline:
     area, ratio, axis = rng.uniform(60, 300), rng.uniform(1, 1.6), rng.uniform(-np.pi / 2, np.pi / 2)
     amplitudes = shape * rng.uniform(0.5, 1, 4) * rng.choice([-1, 1], 4) / np.array([2, 1, 2, 4])
     phases = rng.normal(0, 0.4, 4)
@@ -302,9 +302,7 @@ def _draw_outline(rng: np.random.Generator, shape: float) -> Outline:
     return Outline(float(ratio * b), float(b), float(axis), terms)
 
 
-def _lost_width(
-    rng: np.random.Generator, ridges: np.ndarray, outline: Outline, density: float, width: float
-) -> np.ndarray:
+def _lost_width(rng: Rng, ridges: Array, outline: Outline, density: float, width: float) -> Array:
     """Return the fraction of the ridge width that uneven edges, pores, broken ridges and creases take."""
     x, y = grid_for(outline)
     lost = 0.15 * min(density, 1) * smooth_noise(rng, ridges.shape, 2)
@@ -324,7 +322,7 @@ def _lost_width(
 
 
 def stamp(
-    image: np.ndarray,
+    image: Array,
     centre: tuple[float, float],
     sizes: tuple[float, float],
     *,

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-Array = NDArray[np.float64]
+from benchmarks.arrays import Array, Rng
+
 # Indentations ξ (mm) that increase, with load W (N) and contact area (mm²).
 Contact = tuple[Array, Array, Array]
 
@@ -136,9 +136,7 @@ def layer_ratios(a: float, nodes: int = 40) -> tuple[float, float]:
     return float(xi / a**2), float(0.75 * load / a**3)
 
 
-def coloured_noise(
-    rng: np.random.Generator, count: int, step: float, power: Callable[[Array], Array]
-) -> Array:
+def coloured_noise(rng: Rng, count: int, step: float, power: Callable[[Array], Array]) -> Array:
     """Return Gaussian noise of a power spectrum, its variance one in the frequencies of the record."""
     length = 8 * count
     frequency = np.fft.rfftfreq(length, step)[1:]
@@ -146,7 +144,7 @@ def coloured_noise(
     # Slower ones only move its level: they are there, but do not count.
     amplitude /= np.sqrt((amplitude[frequency >= 1 / (count * step)] ** 2).sum())
     spectrum = amplitude * (rng.normal(size=len(frequency)) + 1j * rng.normal(size=len(frequency)))
-    return np.asarray(np.fft.irfft(np.append(0, spectrum), length)[:count] * length / 2)
+    return np.fft.irfft(np.append(0, spectrum), length)[:count] * length / 2
 
 
 def pink(frequency: Array) -> Array:

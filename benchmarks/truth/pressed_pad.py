@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from benchmarks.truth.ridge_growth import PIXELS_PER_PERIOD, Field, grow_ridges
-from fingerpad._arrays import BoolArray
+from benchmarks.arrays import Array, Rng
+from benchmarks.truth.ridge_growth import PIXELS_PER_PERIOD, grow_ridges
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,10 @@ class Contact:
     """Fields on the fine grid, and the truth."""
 
     mm: float
-    touching: BoolArray
-    pressure: Field
-    outside: Field  # mm beyond the true boundary along the radius, negative inside
-    phase: Field
+    touching: Array
+    pressure: Array
+    outside: Array  # mm beyond the true boundary along the radius, negative inside
+    phase: Array
     gross_area: float
     ridge_area: float
     hull_area: float
@@ -67,29 +67,29 @@ class Contact:
     semi_minor: float
 
 
-def smooth_noise(shape: tuple[int, ...], correlation: float, rng: np.random.Generator) -> Field:
+def smooth_noise(shape: tuple[int, ...], correlation: float, rng: Rng) -> Array:
     """Gaussian noise of unit variance; correlation length in pixels."""
     coarse = max(1.0, correlation / 3)
     size = [int(np.ceil(n / coarse)) + 2 for n in shape]
     noise = cv2.GaussianBlur(rng.normal(size=size).astype(np.float32), (0, 0), correlation / coarse)
     noise = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return np.asarray(noise[: shape[0], : shape[1]])
+    return noise[: shape[0], : shape[1]]
 
 
-def _radius(press: Press, angle: Field) -> Field:
+def _radius(press: Press, angle: Array) -> Array:
     """Distance of the boundary from the middle, mm, at angles from the major axis."""
     turn = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
 
-    def shape(t: Field) -> Field:
+    def shape(t: Array) -> Array:
         major, minor = np.sqrt(press.aspect), 1 / np.sqrt(press.aspect)
         sum_of_powers = np.abs(np.cos(t) / major) ** press.power + np.abs(np.sin(t) / minor) ** press.power
-        return np.asarray(sum_of_powers ** (-1 / press.power) * (1 + press.egg * np.cos(t)))
+        return sum_of_powers ** (-1 / press.power) * (1 + press.egg * np.cos(t))
 
     unit_area = np.pi * np.mean(shape(turn) ** 2)
-    return np.asarray(shape(angle) * np.sqrt(press.area / unit_area))
+    return shape(angle) * np.sqrt(press.area / unit_area)
 
 
-def boundary_of(press: Press) -> Field:
+def boundary_of(press: Press) -> Array:
     """Return the boundary: points right of and below the middle, mm."""
     angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
     radius = _radius(press, angle)
@@ -110,7 +110,7 @@ def _semi_axes(press: Press) -> tuple[float, float]:
     return float(scale * np.sqrt(ratio)), float(scale / np.sqrt(ratio))
 
 
-def _phase(x: Field, y: Field, press: Press, skin: Skin, rng: np.random.Generator) -> Field:
+def _phase(x: Array, y: Array, press: Press, skin: Skin, rng: Rng) -> Array:
     """Ridge phase at points right of and below the middle, mm; the finger points along the major axis."""
     c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     right, down = x * c - y * s, x * s + y * c
@@ -126,7 +126,7 @@ def _phase(x: Field, y: Field, press: Press, skin: Skin, rng: np.random.Generato
     return pattern.phase(np.asarray(column, np.float32), np.asarray(row, np.float32))
 
 
-def _holes(phase: Field, skin: Skin, mm: float, rng: np.random.Generator) -> BoolArray:
+def _holes(phase: Array, skin: Skin, mm: float, rng: Rng) -> Array:
     """Pores on the crests of ridges, and creases across them."""
     holes = np.zeros(phase.shape, np.uint8)
     step = 0.75 * skin.period / mm
@@ -148,20 +148,18 @@ def _holes(phase: Field, skin: Skin, mm: float, rng: np.random.Generator) -> Boo
         for k in range(23):
             width = max(1, round(rng.uniform(0.08, 0.22) / mm * np.sin(np.pi * along[k, 0] + 0.1)))
             cv2.line(holes, path[k].tolist(), path[k + 1].tolist(), 1, width)
-    return np.asarray(holes > 0)
+    return holes > 0
 
 
-def touching_width(pressure: Field, skin: Skin) -> Field:
+def touching_width(pressure: Array, skin: Skin) -> Array:
     """Share of the ridge period that touches, from 0 to `widest`."""
     ratio = np.maximum(pressure, 0) / skin.half_pressure
     rise = ratio / (1 + ratio) if skin.plastic else np.sqrt(ratio / (1 + ratio))
     width = np.maximum(skin.widest * rise, skin.jump_width)
-    return np.asarray(np.where(pressure > 0, width, -1.0))
+    return np.where(pressure > 0, width, -1.0)
 
 
-def press_pad(
-    press: Press, skin: Skin, *, mm: float, shape: tuple[int, int], rng: np.random.Generator
-) -> Contact:
+def press_pad(press: Press, skin: Skin, *, mm: float, shape: tuple[int, int], rng: Rng) -> Contact:
     """Press the pad on a fine grid of `shape` with spacing `mm`, the contact in its middle."""
     x = (np.arange(shape[1], dtype=np.float32) - (shape[1] - 1) / 2)[None, :] * mm
     y = (np.arange(shape[0], dtype=np.float32) - (shape[0] - 1) / 2)[:, None] * mm

@@ -8,14 +8,12 @@ equilibrium. Ridges start at the core, the fingertip and the joint, as in the em
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy import fft
 
-Field: TypeAlias = npt.NDArray[Any]
+from benchmarks.arrays import Array, Rng
 
 PIXELS_PER_PERIOD = 8.0
 # Loops (cores) and deltas, in ridge periods right of and above the middle.
@@ -32,10 +30,10 @@ SINGULARITIES = {
 class RidgePattern:
     """Ridges as one oscillation: u is even about each ridge's crest, its Riesz transform odd."""
 
-    even: Field
-    odd: tuple[Field, Field]
+    even: Array
+    odd: tuple[Array, Array]
 
-    def phase(self, column: Field, row: Field) -> Field:
+    def phase(self, column: Array, row: Array) -> Array:
         """Phase at pattern pixels: 0 on the crest of a ridge, π on the floor of a valley."""
         even, first, second = (
             cv2.remap(part, column, row, cv2.INTER_CUBIC, borderMode=cv2.BORDER_WRAP)
@@ -44,7 +42,7 @@ class RidgePattern:
         return np.arctan2(np.hypot(first, second), even)
 
 
-def ridge_directions(kind: str, periods: int, rng: np.random.Generator) -> Field:
+def ridge_directions(kind: str, periods: int, rng: Rng) -> Array:
     """Angle of the ridges from rightward, by Sherlock and Monro's zeros and poles, gently disturbed."""
     size = round(periods * PIXELS_PER_PERIOD)
     axis = (np.arange(size) - size / 2) / PIXELS_PER_PERIOD
@@ -59,10 +57,10 @@ def ridge_directions(kind: str, periods: int, rng: np.random.Generator) -> Field
         angle -= np.angle((z - complex(x, y) - shift) * 1j) / 2 - np.pi / 4
     noise = np.asarray(rng.normal(size=z.shape))
     disturbance = cv2.GaussianBlur(noise, (0, 0), 6 * PIXELS_PER_PERIOD)
-    return np.asarray(angle + 0.12 * disturbance / disturbance.std())
+    return angle + 0.12 * disturbance / disturbance.std()
 
 
-def _seeds(size: int, rng: np.random.Generator) -> Field:
+def _seeds(size: int, rng: Rng) -> Array:
     """Where ridges start: weak noise everywhere, strong at the core, the tip and the joint."""
     axis = np.linspace(-1, 1, size, dtype=np.float32)
     x, y = axis[None, :], axis[:, None]
@@ -104,7 +102,7 @@ def grow_ridges(kind: str, seed: int, periods: int = 54, steps: int = 360) -> Ri
     return _with_odd_parts(u)
 
 
-def _with_odd_parts(u: Field) -> RidgePattern:
+def _with_odd_parts(u: Array) -> RidgePattern:
     spectrum = fft.fft2(u)
     row, column = fft.fftfreq(u.shape[0])[:, None], fft.fftfreq(u.shape[1])[None, :]
     frequency = np.hypot(row, column)

@@ -17,12 +17,11 @@ from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import quad
 
-Array: TypeAlias = npt.NDArray[Any]
+from benchmarks.arrays import Array, Pixels, Rng
+
 Shape: TypeAlias = tuple[int, int]
-Rng: TypeAlias = np.random.Generator
 
 KINDS = ("ftir", "ftir_dark", "gelsight", "wet", "newton", "none", "cut")
 DEVICES = KINDS[:5]
@@ -35,8 +34,8 @@ _TINTS = (1, 0.98, 0.94), (0.12, 1, 0.3), (0.12, 0.4, 1), (1, 0.22, 0.15), (1, 0
 class Picture:
     """A picture with that of the empty view, and the truth."""
 
-    image: npt.NDArray[np.uint8]
-    background: npt.NDArray[np.uint8]
+    image: Pixels
+    background: Pixels
     mm_per_px: float
     area: float  # mm²; 0 where nothing touches
     whole: bool  # whether the whole contact is seen
@@ -66,7 +65,7 @@ class Gap:
         root = np.sqrt(np.maximum(total * total - 4 * product, 0))
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.where(total > 0, -2 * product / (total + root), 0.5 * (root - total))
-        return np.asarray(np.maximum(np.nan_to_num(found), 0.0))
+        return np.maximum(np.nan_to_num(found), 0.0)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the gap at points in the ellipse's frame, x along its major axis."""
@@ -93,7 +92,7 @@ class Gap:
             across, along = self.a**2 + s, self.b**2 + s
             curve = 2 * (1 - x * x / across - y * y / along) / np.sqrt(across * along)
             out += weight * half * curve * self.a / np.cos(at) ** 2
-        return np.asarray(self.hertz * out)
+        return self.hertz * out
 
     def punch(self, x: Array, y: Array) -> Array:
         """Return the depth of a surface around a flat elliptical punch of unit depth."""
@@ -112,7 +111,7 @@ def _smooth_noise(rng: Rng, shape: Shape, size: float, octaves: int = 1) -> Arra
         knots = rng.normal(0, 1, (int(shape[0] / s) + 3, int(shape[1] / s) + 3)).astype(np.float32)
         field = cv2.resize(knots, None, fx=s, fy=s, interpolation=cv2.INTER_LINEAR)[: shape[0], : shape[1]]
         out += cv2.GaussianBlur(field, (0, 0), max(0.45 * s, 0.4)) / 2**octave
-    return np.asarray(out / max(out.std(), 1e-9))
+    return out / max(out.std(), 1e-9)
 
 
 def _grid(shape: Shape, low: float = -1) -> tuple[Array, Array]:
@@ -130,7 +129,7 @@ def _light(rng: Rng, shape: Shape, strength: float = 0.5) -> Array:
     )
     aspect = shape[0] / shape[1]
     light *= (1 + rng.uniform(0.05, 0.45) * strength * (c * c + (r * aspect) ** 2)) ** -2
-    return np.asarray(np.maximum(light / light.mean(), 0.08))
+    return np.maximum(light / light.mean(), 0.08)
 
 
 def _guide(rng: Rng, shape: Shape) -> Array:
@@ -143,7 +142,7 @@ def _guide(rng: Rng, shape: Shape) -> Array:
         scallop = rng.uniform(0, 0.3) * np.exp(-far / 0.12)
         led = 1 + scallop * np.cos(2 * np.pi * rng.integers(4, 9) * along + rng.uniform(0, 6))
         out += rng.uniform(0.6, 1) * np.exp(-far / length) * led
-    return np.asarray(out / out.mean())
+    return out / out.mean()
 
 
 def _line(shape: Shape, points: Array) -> Array:
@@ -171,7 +170,7 @@ def _specks(rng: Rng, shape: Shape, count: int, largest: float) -> Array:
                 shape, np.cumsum(np.c_[np.cos(0.3 * turn), np.sin(0.3 * turn)], 0) * step * 16 + place
             )
         out = np.maximum(out, speck * rng.uniform(0.3, 1))
-    return np.asarray(cv2.GaussianBlur(out, (0, 0), rng.uniform(0.5, 1.3)))
+    return cv2.GaussianBlur(out, (0, 0), rng.uniform(0.5, 1.3))
 
 
 def _scratches(rng: Rng, shape: Shape, count: int) -> Array:
@@ -182,7 +181,7 @@ def _scratches(rng: Rng, shape: Shape, count: int) -> Array:
         t = np.linspace(-1, 1, 20)[:, None]
         points = middle + t * length / 2 * [np.cos(turn), np.sin(turn)] + t**2 * rng.normal(0, 4, 2)
         out = np.maximum(out, _line(shape, points * 16) * rng.uniform(0.15, 0.8))
-    return np.asarray(cv2.GaussianBlur(out, (0, 0), 0.7))
+    return cv2.GaussianBlur(out, (0, 0), 0.7)
 
 
 def _reflection(rng: Rng, shape: Shape, near: Array | None = None, kind: str | None = None) -> Array:
@@ -199,15 +198,15 @@ def _reflection(rng: Rng, shape: Shape, near: Array | None = None, kind: str | N
         size = side * rng.uniform(0.015, 0.05)
         far = np.sqrt((x / size) ** 2 + (y / size / rng.uniform(0.6, 1)) ** 2)
         glow = 0.18 * np.exp(-far / 2.5)
-        return np.asarray(1 / (1 + np.exp(np.minimum((far - 1) * rng.uniform(4, 12), 60))) + glow)
+        return 1 / (1 + np.exp(np.minimum((far - 1) * rng.uniform(4, 12), 60))) + glow
     if kind == "streak":
         size, length = side * rng.uniform(0.008, 0.03), side * rng.uniform(0.15, 0.6)
         y = y + rng.normal(0, 0.15) * x**2 / length
-        return np.asarray(np.exp(-(np.abs(y / size) ** 2)) * np.exp(-(np.abs(x / length) ** 4)))
+        return np.exp(-(np.abs(y / size) ** 2)) * np.exp(-(np.abs(x / length) ** 4))
     size = side * rng.uniform(0.04, 0.1)
     far = np.maximum(np.abs(x + 0.2 * y) / size, np.abs(y) / size / rng.uniform(0.5, 1.2))
     window = 1 / (1 + np.exp(np.minimum((far - 1) * 14, 60)))
-    return np.asarray(window * (1 - 0.6 * np.exp(-((x / size / 0.07) ** 2))))
+    return window * (1 - 0.6 * np.exp(-((x / size / 0.07) ** 2)))
 
 
 class Camera:
@@ -221,7 +220,7 @@ class Camera:
         self.gamma = float(rng.choice([1.0, 1.0, 0.8, 0.6]))
         self.jpeg = int(rng.integers(65, 96)) if rng.random() < 0.35 else 0
 
-    def expose(self, light: Array) -> npt.NDArray[np.uint8]:
+    def expose(self, light: Array) -> Pixels:
         """Take a picture of linear light, 0 to 1, grey or RGB."""
         seen = cv2.GaussianBlur(light.astype(np.float32), (0, 0), self.blur)
         seen = np.clip(seen, 0, None) * 255
@@ -482,7 +481,7 @@ def _fringes(scene: _Scene) -> tuple[Array, ...]:
             coherent = np.exp(-((np.pi * gap * bandwidth / wave**2 * 1.2) ** 2))
             # At zero gap both reflections cancel to the small one of glass and silicone.
             fringe = 2 * np.sqrt(of_glass * of_body) * visibility * coherent * np.cos(4 * np.pi * gap / wave)
-            return np.asarray(of_glass + of_body - fringe + floor)
+            return of_glass + of_body - fringe + floor
 
         seen, gap = scene.seen(signal)
         if scene.touches:  # a pixel averages fast fringes out

@@ -13,16 +13,14 @@ Semi-axes are those of equal second moments: the ellipse's own where the outline
 import zlib
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from benchmarks.truth.true_image import Range, TrueImage, eight_bit
+from benchmarks.arrays import Array, Range, Rng
+from benchmarks.truth.true_image import TrueImage, eight_bit
 
 _FINEST, _MARGIN_MM, _PER_PERIOD = 0.013, 2.0, 5.0
-Numbers = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -82,19 +80,17 @@ CONDITIONS = {
 }
 
 
-def smooth(rng: np.random.Generator, shape: tuple[int, ...], length: float) -> Numbers:
+def smooth(rng: Rng, shape: tuple[int, ...], length: float) -> Array:
     """Return noise of unit variance over a length in samples."""
     coarse = max(length / 2.5, 1.0)
     white = rng.normal(size=[int(np.ceil(n / coarse)) + 4 for n in shape]).astype(np.float32)
     noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
     enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return np.asarray(enlarged[: shape[0], : shape[1]])
+    return enlarged[: shape[0], : shape[1]]
 
 
 @lru_cache(maxsize=16)
-def grow_stripes(
-    number: int, rows: int = 340, columns: int = 280, steps: int = 260
-) -> tuple[Numbers, Numbers]:
+def grow_stripes(number: int, rows: int = 340, columns: int = 280, steps: int = 260) -> tuple[Array, Array]:
     """Return cosine and magnitude of a stripe pattern with five samples per period.
 
     A complex number at each sample turns with the distance across the ridges; each step replaces it by the
@@ -136,7 +132,7 @@ def grow_stripes(
     return np.asarray(field.real), np.asarray(np.abs(field))
 
 
-def _ridge_phase(x: Numbers, y: Numbers, period: float, turn: float, rng: np.random.Generator) -> Numbers:
+def _ridge_phase(x: Array, y: Array, period: float, turn: float, rng: Rng) -> Array:
     """Return |φ|, from 0 on a crest to π in a valley."""
     cosine, size = grow_stripes(int(rng.integers(8)))
     scale = _PER_PERIOD / period
@@ -147,10 +143,10 @@ def _ridge_phase(x: Numbers, y: Numbers, period: float, turn: float, rng: np.ran
         cv2.remap(f.astype(np.float32), columns, rows, cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REFLECT)
         for f in (cosine, size)
     )
-    return np.asarray(np.arccos(np.clip(real / np.maximum(whole, 0.3), -1, 1)))
+    return np.arccos(np.clip(real / np.maximum(whole, 0.3), -1, 1))
 
 
-def _outline(x: Numbers, y: Numbers, semi: Range, turn: float, c: Condition) -> tuple[Numbers, Numbers]:
+def _outline(x: Array, y: Array, semi: Range, turn: float, c: Condition) -> tuple[Array, Array]:
     """Return the distance inside the outline, mm, and the angle around it from the major axis."""
     u, v = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
     v, u = v / semi[0], u / semi[1]
@@ -160,9 +156,7 @@ def _outline(x: Numbers, y: Numbers, semi: Range, turn: float, c: Condition) -> 
     return (1 - level) / np.maximum(np.hypot(down, right), 1e-3), np.arctan2(u, v)
 
 
-def _contact(
-    x: Numbers, y: Numbers, semi: Range, c: Condition, rng: np.random.Generator
-) -> dict[str, Numbers]:
+def _contact(x: Array, y: Array, semi: Range, c: Condition, rng: Rng) -> dict[str, Array]:
     """Return what touches, the gap as a share of the ridge's height, distance inside, and the contrast."""
     step = float(y[1, 0] - y[0, 0])
     turn, side = rng.normal(0, c.turn), rng.uniform(0, 2 * np.pi)
@@ -183,9 +177,7 @@ def _contact(
     return {"touching": touching, "gap": gap, "inside": inside, "contrast": contrast}
 
 
-def _pierce(
-    touching: npt.NDArray[np.bool_], phase: Numbers, density: float, step: float, rng: np.random.Generator
-) -> None:
+def _pierce(touching: Array, phase: Array, density: float, step: float, rng: Rng) -> None:
     """Open sweat pores on crests, and up to three creases."""
     holes = np.zeros(touching.shape, np.uint8)
     crests = np.argwhere(phase < 0.4)
@@ -200,7 +192,7 @@ def _pierce(
     touching &= holes == 0
 
 
-def _darkness(parts: dict[str, Numbers], step: float, c: Condition, rng: np.random.Generator) -> Numbers:
+def _darkness(parts: dict[str, Array], step: float, c: Condition, rng: Rng) -> Array:
     """Return what the glass shows on the fine grid: 1 for a usual ridge, 0 for clean glass."""
     shape = parts["gap"].shape
     film = rng.uniform(*c.film) * np.clip(0.7 + 0.5 * smooth(rng, shape, 2 / step), 0, 1.5)
@@ -215,7 +207,7 @@ def _darkness(parts: dict[str, Numbers], step: float, c: Condition, rng: np.rand
     return np.asarray(dark, np.float32)
 
 
-def _dirt(shape: tuple[int, int], step: float, density: float, rng: np.random.Generator) -> Numbers:
+def _dirt(shape: tuple[int, int], step: float, density: float, rng: Rng) -> Array:
     """Return specks and fibres anywhere on the glass, from 0 to 0.8."""
     dirt = np.zeros(shape, np.float32)
     count = rng.poisson(density * dirt.size * step**2)
@@ -233,7 +225,7 @@ def _dirt(shape: tuple[int, int], step: float, density: float, rng: np.random.Ge
     return dirt
 
 
-def _picture(dark: Numbers, step: float, binning: int, c: Condition, rng: np.random.Generator) -> Numbers:
+def _picture(dark: Array, step: float, binning: int, c: Condition, rng: Rng) -> Array:
     """Return the image."""
     dark = 1 - (1 - dark) * (1 - _dirt(dark.shape, step, c.dirt, rng))
     dark = cv2.GaussianBlur(dark.astype(np.float32), (0, 0), rng.uniform(*c.blur) / step)
@@ -250,11 +242,10 @@ def _picture(dark: Numbers, step: float, binning: int, c: Condition, rng: np.ran
         grey = 0.12 + 0.86 * np.clip(grey, -0.2, 1.2)
         grey = grey + 0.6 * (grey - cv2.GaussianBlur(grey, (0, 0), 1.3))
     grey = grey + c.noise * np.sqrt(np.clip(grey, 0.1, 1)) * rng.normal(size=grey.shape)
-    grey = grey + 0.3 * c.noise * rng.normal(size=(rows, 1)) + 0.5 * c.noise * smooth(rng, grey.shape, 0.9)
-    return np.asarray(grey)
+    return grey + 0.3 * c.noise * rng.normal(size=(rows, 1)) + 0.5 * c.noise * smooth(rng, grey.shape, 0.9)
 
 
-def _equal_ellipse(inside: Numbers, step: float) -> Range:
+def _equal_ellipse(inside: Array, step: float) -> Range:
     """Return the semi-axes of the ellipse of equal second moments."""
     moments = cv2.moments((inside > 0).astype(np.uint8), binaryImage=True)
     mixed = [[moments["mu20"], moments["mu11"]], [moments["mu11"], moments["mu02"]]]

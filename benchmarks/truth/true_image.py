@@ -1,27 +1,25 @@
 """What images of contacts of known truth have in common."""
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Range: TypeAlias = tuple[float, float]
+from benchmarks.arrays import Array, Pixels
 
 
 @dataclass(frozen=True, eq=False)
 class TrueImage:
     """Contact image with its true gross area and ridge area, mm², and semi-axes, mm."""
 
-    pixels: npt.NDArray[Any]
+    pixels: Array
     mm_per_px: float
     gross_area: float
     ridge_area: float
     semi_axes: tuple[float, float]
 
 
-def eight_bit(grey: npt.NDArray[Any], jpeg_quality: int = 0) -> npt.NDArray[np.uint8]:
+def eight_bit(grey: Array, jpeg_quality: int = 0) -> Pixels:
     """Round a picture from 0 to 1 to grey levels, and compress it by JPEG unless its quality is 0."""
     pixels = np.asarray(np.rint(255 * np.clip(grey, 0, 1)), np.uint8)
     if not jpeg_quality:

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.random import Generator
 from PIL import Image
 from scipy import optimize
 
-from .physics import Array, Gap, Law, Pad, ellipse_of, hertz_factors
+from benchmarks.arrays import Array, Rng
+
+from .physics import Gap, Law, Pad, ellipse_of, hertz_factors
 from .pictures import FACES, Device, contact_image, outline_points, photograph
 
 WEDGES = (30, 45)
@@ -37,7 +38,7 @@ class Truth:
     contact_offset: dict[int, float] = field(default_factory=dict)
 
 
-def _draw_pad(kind: str, rng: Generator) -> Pad:
+def _draw_pad(kind: str, rng: Rng) -> Pad:
     axes = rng.uniform(7, 9.5), rng.uniform(12, 16), rng.uniform(8.5, 12)
     if kind == "superelliptic":
         return Pad(*axes, exponent=float(rng.choice([rng.uniform(1.8, 1.93), rng.uniform(2.1, 2.4)])))
@@ -184,15 +185,13 @@ class _Lab:
         hertz = 4 / 3 * np.sqrt(radius) * x**1.5 / (1 - self.stated_poisson**2)
 
         def residual(moduli: Array) -> Array:
-            return np.asarray(hertz * moduli[0] / np.maximum(1 - hertz * moduli[1], 1e-3) - w)
+            return hertz * moduli[0] / np.maximum(1 - hertz * moduli[1], 1e-3) - w
 
         fit = optimize.least_squares(residual, [w.max() / hertz.max(), 0.0])
         truth.loading_radius[wedge], truth.initial_modulus[wedge] = radius, float(fit.x[0]) * 1000
 
 
-def _write_curve(
-    path: Path, columns: Sequence[Array], noise: tuple[float, float, float], rng: Generator
-) -> None:
+def _write_curve(path: Path, columns: Sequence[Array], noise: tuple[float, float, float], rng: Rng) -> None:
     """Write a curve with noise of force, displacement and area; no area is seen before contact."""
     table = np.stack(columns, axis=1)
     touched = table[:, 3] > 0

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.random import Generator
 from scipy import ndimage
 
-from .physics import PROFILE_AT, Array, Pad
+from benchmarks.arrays import Array, Rng
+
+from .physics import PROFILE_AT, Pad
 
 SUPERSAMPLING = 2
 
@@ -30,7 +31,7 @@ class Device:
     widening: float  # exponent of the ridges' width against pressure
 
     @classmethod
-    def draw(cls, kind: str, rng: Generator) -> "Device":
+    def draw(cls, kind: str, rng: Rng) -> "Device":
         """Draw a device of a kind: sharp, soft or dirty."""
         ridge_width, widening = rng.uniform(0.5, 0.62), rng.uniform(0.25, 0.45)
         ppi = float(rng.choice([500, 600])) if kind == "sharp" else 500.0
@@ -48,11 +49,11 @@ def contact_mask(outline: Array, rows: Array, columns: Array) -> Array:
     angle = np.mod(np.arctan2(columns, -rows), 2 * np.pi)
     closed = np.append(outline, outline[0])
     at = np.linspace(0, 2 * np.pi, len(closed))
-    return np.asarray(np.hypot(rows, columns) / np.interp(angle, at, closed))
+    return np.hypot(rows, columns) / np.interp(angle, at, closed)
 
 
 def contact_image(
-    outline: Array, profile: Array, pressure: float, device: Device, mm_per_px: float, *, rng: Generator
+    outline: Array, profile: Array, pressure: float, device: Device, mm_per_px: float, *, rng: Rng
 ) -> tuple[Array, float]:
     """Render a contact; ``pressure`` is over that of the highest load. Return picture, true area."""
     reach = float(outline.max()) * 1.25 + 2
@@ -88,14 +89,14 @@ def contact_image(
     return np.clip(grey, 0, 255), float(inside.sum()) * step**2
 
 
-def _smooth(n: int, scale_px: float, rng: Generator) -> Array:
+def _smooth(n: int, scale_px: float, rng: Rng) -> Array:
     """Return a smooth random field of unit standard deviation."""
     coarse = max(4, int(np.ceil(n / scale_px)) + 3)
     field = cv2.resize(rng.normal(0, 1, (coarse, coarse)), (n, n), interpolation=cv2.INTER_CUBIC)
-    return np.asarray(field / max(field.std(), 1e-9))
+    return field / max(field.std(), 1e-9)
 
 
-def _ridges(rows: Array, columns: Array, rng: Generator) -> Array:
+def _ridges(rows: Array, columns: Array, rng: Rng) -> Array:
     """Return the phase of a whorl, loop or arch with minutiae."""
     period = rng.uniform(0.42, 0.55)
     core = rng.uniform(-1.5, 1.5, 2)
@@ -111,17 +112,17 @@ def _ridges(rows: Array, columns: Array, rng: Generator) -> Array:
     for row, column in rng.uniform(-extent, extent, (14, 2)):
         around = (at - (column + 1j * row)) / extent
         turns *= around if rng.random() < 0.5 else around.conj()
-    return np.asarray(phase + np.angle(turns))
+    return phase + np.angle(turns)
 
 
-def _gaps(shape: tuple[int, ...], step: float, rng: Generator) -> Array:
+def _gaps(shape: tuple[int, ...], step: float, rng: Rng) -> Array:
     """Return 0 where pores and cracks interrupt ridges."""
     pores = rng.random(shape) < 0.6 * step**2
     near = ndimage.distance_transform_edt(~pores) * step
-    return np.asarray(np.clip((near - 0.06) / step, 0, 1))
+    return np.clip((near - 0.06) / step, 0, 1)
 
 
-def _specks(n: int, mm_per_px: float, count: int, rng: Generator) -> Array:
+def _specks(n: int, mm_per_px: float, count: int, rng: Rng) -> Array:
     """Return dirt on the platen."""
     specks = np.zeros((n, n))
     for _ in range(count):
@@ -130,7 +131,7 @@ def _specks(n: int, mm_per_px: float, count: int, rng: Generator) -> Array:
         cv2.ellipse(
             specks, centre, axes, float(rng.uniform(0, 180)), 0, 360, float(rng.uniform(0.2, 0.8)), -1
         )
-    return np.asarray(ndimage.gaussian_filter(specks, 0.8))
+    return ndimage.gaussian_filter(specks, 0.8)
 
 
 FACES = ("palmar", "distal", "radial")
@@ -156,7 +157,7 @@ def silhouette(pad: Pad, face: str, widening: float) -> Array:
     return np.concatenate([right_side, left_side])
 
 
-def photograph(pad: Pad, face: str, mm_per_px: float, rng: Generator) -> Array:
+def photograph(pad: Pad, face: str, mm_per_px: float, rng: Rng) -> Array:
     """Render a face before a blue card, turned by some degrees as held, in RGB."""
     outline = silhouette(pad, face, rng.uniform(0, 0.04))
     if face == "radial" and rng.random() < 0.5:
@@ -180,10 +181,10 @@ def photograph(pad: Pad, face: str, mm_per_px: float, rng: Generator) -> Array:
     skin = np.array([215, 165, 140]) * light[..., None] * (1 + 0.02 * mottle)
     card = np.array([40, 70, 150]) * (1 + 0.05 * shade)
     picture = card + cover[..., None] * (skin - card) + rng.normal(0, 2.5, (height, width, 3))
-    return np.asarray(np.clip(picture, 0, 255))
+    return np.clip(picture, 0, 255)
 
 
-def outline_points(pad: Pad, face: str, noise_mm: float, scale: float, rng: Generator) -> Array:
+def outline_points(pad: Pad, face: str, noise_mm: float, scale: float, rng: Rng) -> Array:
     """Return points digitised along the pad's arc of a face, in the manifest's axes, origin anywhere."""
     p = pad.exponent
     if face == "radial":
@@ -195,4 +196,4 @@ def outline_points(pad: Pad, face: str, noise_mm: float, scale: float, rng: Gene
         across, along = pad.radial_ulnar * np.cos(angle), height * np.sin(angle)
     points = np.stack([across, along], axis=1)
     points = points + rng.normal(0, noise_mm, points.shape)
-    return np.asarray(points * scale + rng.uniform(-3, 3, 2))
+    return points * scale + rng.uniform(-3, 3, 2)
