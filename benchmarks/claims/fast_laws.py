@@ -7,8 +7,9 @@ from functools import partial
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts, kept_pads
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
 from benchmarks.tables import table
+from benchmarks.truth.layers import circular_contacts
 from fingerpad.contact import Contact, SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement

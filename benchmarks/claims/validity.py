@@ -1,6 +1,6 @@
 """False alarms, detection and coverage of verdicts on the model.
 
-Truths come from equations written here: Johnson (1985), ch. 4, by SciPy's elliptic integrals, and for tissue
+Truths come from equations of benchmarks alone: Johnson (1985), ch. 4, and for tissue
 over bone the ratios of a circular contact on a bonded layer (ν = 0.5) by its contact radius over thickness.
 """
 
@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
 
 from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
+from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
 from fingerpad.study.manifest.models import Curve, Observation
 from fingerpad.study.measuring.contacts import Measurement
@@ -97,17 +97,7 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
     along, across = (truth.curvature * radius for radius in radii)
     ratio, R = max(along, across) / min(along, across), np.sqrt(along * across)
 
-    def curvatures(k: float) -> float:
-        K, E = ellipk(1 - k**2), ellipe(1 - k**2)
-        return float((E / k**2 - K) / (K - E))
-
-    k = brentq(lambda k: curvatures(k) - ratio, 0.05, 1 - 1e-5) if ratio > 1.0001 else 1.0
-    F1 = F2 = 1.0
-    if k < 1:
-        m = 1 - k**2
-        K, E = ellipk(m), ellipe(m)
-        F1 = (4 / (np.pi * m) * k**1.5 * np.sqrt((E / k**2 - K) * (K - E))) ** (1 / 3)
-        F2 = 2 / np.pi * np.sqrt(k) * K / F1
+    k, F1, F2 = hertz_ellipse(ratio)
 
     def surplus(c: float) -> float:
         hertz = 4 * truth.modulus * (c / F1) ** 3 / (3 * R)

@@ -16,11 +16,10 @@ from benchmarks.claims import fast_laws
 from benchmarks.derive.solved_contacts import (
     AREA_BIAS,
     KEPT,
-    circular_contacts,
     kept_contacts,
     kept_pads,
-    layer_spectrum,
 )
+from benchmarks.truth.layers import circular_contacts, layer_spectrum
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.elliptic import curvature_ratio

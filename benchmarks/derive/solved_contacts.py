@@ -1,6 +1,6 @@
 """Solve the contacts that the fast laws are fitted to: ``python -m benchmarks.derive.solved_contacts``.
 
-Circular contacts on a layer follow to ten digits from one integral equation (Lebedev and Ufliand 1958).
+Circular contacts on a layer follow to ten digits from one integral equation (`benchmarks.truth.layers`).
 Elliptical ones on a layer and whole ellipsoids, solved on grids, are kept in ``solved_contacts.npz``.
 """
 
@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.arrays import Array
+from benchmarks.truth.layers import circular_contacts
 from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.elliptic import curvature_ratio
-from fingerpad.contact.influence import layer_compliance_ratio
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -23,46 +23,6 @@ _POINTS = 128
 RATIOS_OF_AXES = 1.0, 0.85, 0.7, 0.58, 0.48
 _SIZES = 0.15, 0.3, 0.5, 0.75, 1.05, 1.4, 1.9, 2.5, 3.1
 _POISSON_RATIOS = 0.3, 0.36, 0.42, 0.46, 0.49, 0.5
-
-
-def layer_spectrum(poisson_ratio: float) -> tuple[Array, Array]:
-    """Return wavenumbers times thickness, and M − 1 there times the weights of Gauss' quadrature."""
-    node, weight = np.polynomial.legendre.leggauss(300)
-    wavenumber = 15 * (node + 1)
-    return wavenumber, 15 * weight * (layer_compliance_ratio(wavenumber, poisson_ratio) - 1)
-
-
-def circular_contacts(sizes: Array, poisson_ratio: float, nodes: int = 48) -> Array:
-    """Return W/W_H and ξ/ξ_H at equal area, and p0/p0_H at equal load, for paraboloids on a bonded layer.
-
-    With the Hankel transform of the pressure ∫φ(s) cos(qs) ds over the contact's radius, φ satisfies a
-    Fredholm equation of the second kind with a smooth kernel; φ vanishes at the edge. Sizes are contact radii
-    over the thickness; the shape is (n, 3).
-    """
-    wavenumber, weight = layer_spectrum(poisson_ratio)
-    node, step = np.polynomial.legendre.leggauss(nodes)
-    s, step = (node + 1) / 2, step / 2
-    found = []
-    for size in sizes:
-        wave = np.cos(wavenumber[:, None] * size * s)
-        kernel = (2 / np.pi) * size * (wave.T * weight) @ wave
-        at_edge = (2 / np.pi) * size * (np.cos(wavenumber * size) * weight) @ wave
-        sides = (2 / np.pi) * np.stack([np.ones(nodes), -(s**2)], axis=1)
-        solved = np.linalg.solve(np.eye(nodes) + kernel * step, sides)
-        edge = (2 / np.pi) * np.array([1, -1]) - at_edge @ (step[:, None] * solved)
-        indentation = -edge[1] / edge[0]
-        phi = solved @ np.array([indentation, 1])
-        load = np.pi * step @ phi
-        found.append((0.75 * load, indentation, _central_pressure(s, phi) / (1.5 * load / np.pi)))
-    return np.array(found)
-
-
-def _central_pressure(s: Array, phi: Array) -> float:
-    """Return −½∫φ'(s)/s ds: φ is even, so this is −2∫ dφ/d(2s² − 1) ds."""
-    chebyshev = np.polynomial.chebyshev
-    slope = chebyshev.chebder(chebyshev.chebfit(2 * s**2 - 1, phi, 16))
-    node, weight = np.polynomial.legendre.leggauss(60)
-    return float(-weight @ chebyshev.chebval(2 * ((node + 1) / 2) ** 2 - 1, slope))
 
 
 def kept_contacts(rows: Array, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:

@@ -19,6 +19,7 @@ import numpy as np
 
 from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.finger_outlines import ROUGHNESS_MM, cover, even, leaning, normals
+from benchmarks.truth.true_image import jpeg
 from fingerpad.image import Face
 
 Support = Callable[[Array], Array]
@@ -203,8 +204,7 @@ def _photograph(rng: Rng, parts: tuple[Array, Array, Array | None], face: Face, 
     picture = picture * (1 + rng.uniform(-0.12, 0.12) * np.linspace(-1, 1, columns)[None, :, None])
     picture = cv2.GaussianBlur(picture, (0, 0), rng.uniform(0.7, 1.5)) + rng.normal(0, 3, picture.shape)
     pixels = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-    coded = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(75, 96))])[1]
-    return np.asarray(cv2.imdecode(coded, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
+    return jpeg(pixels, int(rng.integers(75, 96)))
 
 
 def _rough(rng: Rng, outline: Array) -> Array:

@@ -45,7 +45,7 @@ def _blur(field: Array, mm: float, contact: Contact) -> Array:
 def _wetted(contact: Contact, optics: Optics, rng: Rng) -> Array:
     """Share of each point that couples light: contact that fades with low pressure, and sweat beside it."""
     grip = 1 - optics.fade * np.exp(-np.maximum(contact.pressure, 0) / optics.fade_pressure)
-    fine, coarse = (smooth_noise(grip.shape, length / contact.mm, rng) for length in (0.05, 0.4))
+    fine, coarse = (smooth_noise(rng, grip.shape, length / contact.mm) for length in (0.05, 0.4))
     density = (
         contact.touching * grip * np.clip(1 - optics.mottle * np.maximum(fine + 0.6 * coarse, -0.3), 0.2, 1.1)
     )
@@ -53,7 +53,7 @@ def _wetted(contact: Contact, optics: Optics, rng: Rng) -> Array:
         near = _blur(contact.touching, optics.meniscus, contact)
         density = np.maximum(density, np.clip((near - 0.2) / 0.2, 0, 1) * grip * 0.9)
     if optics.islands:
-        sweat = smooth_noise(contact.phase.shape, 0.35 / contact.mm, rng)
+        sweat = smooth_noise(rng, contact.phase.shape, 0.35 / contact.mm)
         limit = np.quantile(sweat[contact.outside < 0], 1 - optics.islands)
         wet = np.clip((sweat - limit) / 0.3, 0, 1) * (contact.outside < -0.05)
         density = np.maximum(density, wet * 0.85)
@@ -65,10 +65,10 @@ def _inked(contact: Contact, optics: Optics, rng: Rng) -> Array:
     near = _blur(contact.touching, 0.03, contact)
     grip = 1 - optics.fade * np.exp(-contact.pressure / optics.fade_pressure)
     film = np.clip((near - 0.3) / 0.35, 0, 1) * (1 - 0.3 * np.clip((near - 0.7) / 0.3, 0, 1)) * grip
-    fibre = smooth_noise(film.shape, 0.035 / contact.mm, rng) + 0.7 * smooth_noise(
-        film.shape, 0.12 / contact.mm, rng
+    fibre = smooth_noise(rng, film.shape, 0.035 / contact.mm) + 0.7 * smooth_noise(
+        rng, film.shape, 0.12 / contact.mm
     )
-    supply = 1.0 + 0.35 * smooth_noise(film.shape, 2.0 / contact.mm, rng)
+    supply = 1.0 + 0.35 * smooth_noise(rng, film.shape, 2.0 / contact.mm)
     film = film * np.clip(0.9 * supply + 0.42 * fibre, 0, 1.15)
     if optics.meniscus:
         # Surplus ink is dragged outward over the edge.
@@ -76,7 +76,7 @@ def _inked(contact: Contact, optics: Optics, rng: Rng) -> Array:
             1 - np.abs(contact.outside) / optics.meniscus, 0, 1
         )
         film = np.maximum(film, drag * np.clip(0.8 + 0.5 * fibre, 0, 1.2))
-    speck = np.clip(smooth_noise(film.shape, 0.04 / contact.mm, rng) - 2.2, 0, 1) * np.exp(
+    speck = np.clip(smooth_noise(rng, film.shape, 0.04 / contact.mm) - 2.2, 0, 1) * np.exp(
         -np.abs(contact.outside)
     )
     return np.asarray(np.maximum(film, 0.8 * speck), np.float32)
@@ -102,10 +102,10 @@ def _density(contact: Contact, optics: Optics, rng: Rng) -> Array:
         shift = np.array([[0.97, 0.17, across], [-0.17, 0.97, 2.5 / contact.mm]])
         rows, columns = density.shape
         earlier = cv2.warpAffine(contact.touching.astype(np.float32), shift, (columns, rows))
-        grease = 0.5 + 0.5 * np.clip(smooth_noise(density.shape, 1.5 / contact.mm, rng) + 0.5, 0, 1)
+        grease = 0.5 + 0.5 * np.clip(smooth_noise(rng, density.shape, 1.5 / contact.mm) + 0.5, 0, 1)
         density = np.maximum(density, optics.latent * grease * _blur(earlier, 0.05, contact))
     beyond = np.maximum(contact.outside, 0)
-    patchy = 1 + 0.4 * smooth_noise(density.shape, 1.2 / contact.mm, rng)
+    patchy = 1 + 0.4 * smooth_noise(rng, density.shape, 1.2 / contact.mm)
     veil = optics.halo * patchy * np.exp(-beyond / optics.halo_mm)
     # A bright veil is light that the skin throws back; it does not reach through the touching ridges.
     density = density + veil * (1 - density)
@@ -134,10 +134,10 @@ def _lit(density: Array, optics: Optics, rng: Rng) -> Array:
     direction = rng.uniform(0, 2 * np.pi)
     light = 1 + optics.light * (x * np.cos(direction) + y * np.sin(direction))
     light = light * (1 - optics.vignetting * (x**2 + y**2) / 2)
-    texture = smooth_noise(density.shape, 1.5, rng) + smooth_noise(density.shape, 12, rng)
+    texture = smooth_noise(rng, density.shape, 1.5) + smooth_noise(rng, density.shape, 12)
     if optics.device == "side-lit":
         picture = (
-            optics.background + optics.contrast * density * (1 + 0.12 * smooth_noise(density.shape, 2, rng))
+            optics.background + optics.contrast * density * (1 + 0.12 * smooth_noise(rng, density.shape, 2))
         ) * light
     else:
         picture = (optics.background - optics.contrast * density) * light
@@ -145,7 +145,7 @@ def _lit(density: Array, optics: Optics, rng: Rng) -> Array:
     if optics.device == "live-scan":
         # Levels are stretched, edges sharpened, and the background clipped to white.
         picture = picture + 0.8 * (picture - cv2.GaussianBlur(picture, (0, 0), 1.5))
-        local = smooth_noise(density.shape, 1.2, rng) * cv2.GaussianBlur(density, (0, 0), 8) * 0.1
+        local = smooth_noise(rng, density.shape, 1.2) * cv2.GaussianBlur(density, (0, 0), 8) * 0.1
         picture = 1.06 * picture / optics.background + local * 0.6
     return picture
 

@@ -9,12 +9,13 @@ spreads, and contact too faint to see count as errors of the measurement.
 
 import zlib
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
 
 from benchmarks.arrays import Array, Range, Rng
-from benchmarks.truth.true_image import TrueImage, eight_bit
+from benchmarks.truth.true_image import TrueImage, eight_bit, holes, smooth_noise
 
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
 
@@ -64,13 +65,7 @@ CONDITIONS = {
 }
 
 
-def smooth(rng: Rng, shape: tuple[int, int], length: float) -> Array:
-    """Return noise of unit variance over a length in samples."""
-    coarse = max(length / 3, 1.0)
-    white = rng.normal(size=[int(n / coarse) + 3 for n in shape]).astype(np.float32)
-    noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
-    enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return enlarged[: shape[0], : shape[1]]
+smooth = partial(smooth_noise, knots=lambda n: int(n) + 3)
 
 
 def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
@@ -94,21 +89,6 @@ def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
         from_it = places - centre
         spirals *= 0.125 * (from_it if rng.choice([-1, 1]) > 0 else from_it.conj())
     return phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step)
-
-
-def _holes(crest: Array, density: float, step: float, rng: Rng) -> Array:
-    """Pores on the crests and a few creases."""
-    holes = np.zeros(crest.shape, np.uint8)
-    tops = np.argwhere(crest < 0.3)
-    count = rng.poisson(density * crest.size * step**2 / 0.48**2)
-    for row, column in tops[rng.integers(len(tops), size=count)]:
-        cv2.circle(holes, (int(column), int(row)), max(1, round(rng.uniform(0.03, 0.06) / step)), 1, -1)
-    for _ in range(rng.poisson(1)):
-        start, angle = rng.uniform(0.3, 0.7, 2) * crest.shape[::-1], rng.uniform(0, np.pi)
-        end = start + rng.uniform(2, 6) / step * np.array([np.cos(angle), np.sin(angle)])
-        wide = max(1, round(rng.uniform(0.06, 0.15) / step))
-        cv2.line(holes, start.astype(int).tolist(), end.astype(int).tolist(), 1, wide)
-    return holes > 0
 
 
 def _contact(
@@ -188,6 +168,9 @@ def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
     down, right = ((np.arange(-n, n) + 0.5) * step for n in (int(h / pixel) * binning for h in halves))
     x, y = np.meshgrid(right.astype(np.float32), down.astype(np.float32))
     touching, crest = _contact(x, y, semi_axes, rng.uniform(*c.width), rng)
-    touching &= ~_holes(crest, c.pores, step, rng)
+    touching &= ~holes(
+        rng, crest < 0.3, step, c.pores,
+        radius=(0.03, 0.06), creases=lambda: rng.poisson(1), length=(2, 6), width=(0.06, 0.15),
+    )  # fmt: skip
     pixels = eight_bit(_picture(touching, step, binning, c, rng), c.jpeg)
     return TrueImage(pixels, pixel, area, float(touching.sum() * step**2), semi_axes)

@@ -1,7 +1,9 @@
-"""Elliptical Hertz contact to fifty digits, from the equations as Johnson prints them."""
+"""Elliptical Hertz contact from the equations as Johnson (1985) prints them, to fifty digits or to twelve."""
 
 import mpmath as mp
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 # From the circle, through ratios that differ from one by single digits of a double, to slender ellipses.
 RATIOS = np.concatenate([[1.0], 1 + 10.0 ** -np.arange(15, 0, -1.0), np.geomspace(1.2, 1e7, 60)])
@@ -36,3 +38,26 @@ def _shape(ratio: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
     K, E = mp.ellipk(1 - k * k), mp.ellipe(1 - k * k)
     cubed = 4 / (mp.pi * (1 - k * k)) * k ** mp.mpf("1.5") * mp.sqrt((E / k**2 - K) * (K - E))
     return k, mp.cbrt(cubed), 2 / mp.pi * mp.sqrt(k) * K / mp.cbrt(cubed)
+
+
+def hertz_ellipse(curvature_ratio: float) -> tuple[float, float, float]:
+    """Return k, F1 and F2 of the contact of bodies with R'/R'' of at least 1."""
+    if curvature_ratio < 1 + 1e-6:
+        return 1.0, 1.0, 1.0
+
+    def excess(k: float) -> float:
+        K, E = ellipk(1 - k**2), ellipe(1 - k**2)
+        return (E / k**2 - K) / (K - E) - curvature_ratio
+
+    k = float(brentq(excess, 0.02, 1 - 1e-7, xtol=1e-13))
+    return k, *hertz_factors(k)
+
+
+def hertz_factors(k: float) -> tuple[float, float]:
+    """Return F1 and F2 (4.26c, 4.29) of a contact ellipse with the axis ratio k."""
+    m = 1 - k**2
+    if m < 1e-6:
+        return 1.0, 1.0
+    K, E = ellipk(m), ellipe(m)
+    size = float((4 / (np.pi * m) * k**1.5 * np.sqrt((E / k**2 - K) * (K - E))) ** (1 / 3))
+    return size, float(2 / np.pi * np.sqrt(k) * K / size)

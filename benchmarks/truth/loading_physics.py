@@ -1,7 +1,7 @@
 """Loading curves from the physics alone: no model of fingerpad is used here.
 
-Spheres are those of Hertz and Sneddon, ellipses Johnson's, a layer on bone is solved as a Fredholm equation
-(Lebedev and Ufliand 1958), and noise is made in the frequency domain.
+Spheres are those of Hertz and Sneddon, ellipses Johnson's, layers on bone those of `benchmarks.truth.layers`;
+noise is made in the frequency domain.
 """
 
 from collections.abc import Callable
@@ -10,10 +10,10 @@ from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
 
 from benchmarks.arrays import Array, Rng
+from benchmarks.truth.hertz import hertz_ellipse
+from benchmarks.truth.layers import circular_contacts
 
 # Indentations ξ (mm) that increase, with load W (N) and contact area (mm²).
 Contact = tuple[Array, Array, Array]
@@ -55,27 +55,13 @@ def free_area(exponent: float) -> Callable[[Pad, float], Contact]:
 
 
 def ellipsoid(ratio: float) -> Callable[[Pad, float], Contact]:
-    """Press a paraboloid with R'/R'' = ratio and geometric mean R (Johnson 1985, Eqs 4.25–4.28)."""
-
-    def curvatures(k: float) -> tuple[float, float]:
-        # 1/(2R') and 1/(2R'') over p0 k/(E* a).
-        m = 1 - k**2
-        return (ellipk(m) - ellipe(m)) / m, (ellipe(m) / k**2 - ellipk(m)) / m
-
-    def excess(k: float) -> float:
-        along, across = curvatures(k)
-        return across / along - ratio
-
-    k = brentq(excess, 0.05, 1 - 1e-6, xtol=1e-12)
-    mean = float(np.sqrt(np.prod(curvatures(k))))
+    """Press a paraboloid with R'/R'' = ratio and geometric mean R (Johnson 1985, ch. 4)."""
+    _, F1, F2 = hertz_ellipse(ratio)
 
     def contact(pad: Pad, top: float) -> Contact:
         load = 1.05 * top * np.linspace(0, 1, 4000) ** 1.5
-        # 1/(2R) = p0 k mean/(E* a), with p0 = 3W/(2π k a²).
-        semi_major = (3 * load * pad.radius * mean / (np.pi * pad.reduced)) ** (1 / 3)
-        peak = 1.5 * load[1:] / (np.pi * k * semi_major[1:] ** 2)
-        xi = np.append(0, peak * k * semi_major[1:] * ellipk(1 - k**2) / pad.reduced)
-        return xi, load, np.pi * k * semi_major**2
+        round_ = (0.75 * load * pad.radius / pad.reduced) ** (1 / 3)
+        return round_**2 / pad.radius * F2, load, np.pi * (round_ * F1) ** 2
 
     return contact
 
@@ -106,34 +92,8 @@ def layer(thickness: float) -> Callable[[Pad, float], Contact]:
 def _layer_ratios() -> tuple[CubicSpline, CubicSpline]:
     """Indentation and load over Hertz's at the same contact radius a, against a/t."""
     ratio = np.linspace(0, 2.5, 51)
-    found = np.array([(1.0, 1.0), *(layer_ratios(one) for one in ratio[1:])])
-    return CubicSpline(ratio, found[:, 0]), CubicSpline(ratio, found[:, 1])
-
-
-def layer_ratios(a: float, nodes: int = 40) -> tuple[float, float]:
-    """Return ξ R/a² and 3 W R/(4 E* a³) on a layer of thickness one; both are one on a half-space.
-
-    With M(q) the layer's compliance over the half-space's, and P(q) = ∫ φ(s) cos qs ds for the pressure,
-
-        φ(s) + (2/π) ∫₀ᵃ φ(s') ∫₀^∞ (M(q) − 1) cos qs cos qs' dq ds' = (E*/π)(ξ − s²/R),
-
-    where ξ follows from φ(a) = 0, and W = 2π ∫ φ ds.
-    """
-    point, weight = np.polynomial.legendre.leggauss(nodes)
-    s, weight = np.append(a * (point + 1) / 2, a), np.append(a * weight / 2, 0.0)
-    q, q_weight = np.polynomial.legendre.leggauss(200)
-    q, q_weight = 20 * (q + 1), 20 * q_weight
-    nu = POISSON
-    decay = np.exp(-2 * q)
-    top = (3 - 4 * nu) * (1 - decay**2) / 2 - 2 * q * decay
-    bottom = (3 - 4 * nu) * (1 + decay**2) / 2 + (2 * q**2 + 5 - 12 * nu + 8 * nu**2) * decay
-    cosine = np.cos(np.outer(s, q))
-    kernel = (cosine * (q_weight * (top / bottom - 1))) @ cosine.T
-    matrix = np.eye(len(s)) + 2 / np.pi * kernel * weight
-    of_indentation, of_curvature = np.linalg.solve(matrix, np.array([np.ones(len(s)), -(s**2)]).T).T / np.pi
-    xi = -of_curvature[-1] / of_indentation[-1]
-    load = 2 * np.pi * float(weight @ (xi * of_indentation + of_curvature))
-    return float(xi / a**2), float(0.75 * load / a**3)
+    load, indentation, _ = np.vstack([np.ones(3), circular_contacts(ratio[1:], POISSON)]).T
+    return CubicSpline(ratio, indentation), CubicSpline(ratio, load)
 
 
 def coloured_noise(rng: Rng, count: int, step: float, power: Callable[[Array], Array]) -> Array:

@@ -6,11 +6,13 @@ grows with p, as an elastic (√p) or a plastic (p) tip does, and not at all bel
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
 
 from benchmarks.arrays import Array, Rng
+from benchmarks.truth import true_image
 from benchmarks.truth.ridge_growth import PIXELS_PER_PERIOD, grow_ridges
 
 
@@ -67,13 +69,7 @@ class Contact:
     semi_minor: float
 
 
-def smooth_noise(shape: tuple[int, ...], correlation: float, rng: Rng) -> Array:
-    """Gaussian noise of unit variance; correlation length in pixels."""
-    coarse = max(1.0, correlation / 3)
-    size = [int(np.ceil(n / coarse)) + 2 for n in shape]
-    noise = cv2.GaussianBlur(rng.normal(size=size).astype(np.float32), (0, 0), correlation / coarse)
-    noise = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return noise[: shape[0], : shape[1]]
+smooth_noise = partial(true_image.smooth_noise, knots=lambda n: int(np.ceil(n)) + 2)
 
 
 def _radius(press: Press, angle: Array) -> Array:
@@ -96,18 +92,6 @@ def boundary_of(press: Press) -> Array:
     up, left = radius * np.cos(angle), radius * np.sin(angle)
     c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     return np.stack([-(up * s + left * c), -(up * c - left * s)], axis=1)
-
-
-def _semi_axes(press: Press) -> tuple[float, float]:
-    """Semi-axes of the ellipse of the region's area with the ratio of its second moments."""
-    angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
-    radius = _radius(press, angle)
-    cos, sin = np.cos(angle), np.sin(angle)
-    centre = 2 * np.pi * np.mean(radius**3 * cos) / 3 / press.area
-    long = 2 * np.pi * np.mean(radius**4 * cos**2) / 4 / press.area - centre**2
-    short = 2 * np.pi * np.mean(radius**4 * sin**2) / 4 / press.area
-    ratio, scale = np.sqrt(long / short), np.sqrt(press.area / np.pi)
-    return float(scale * np.sqrt(ratio)), float(scale / np.sqrt(ratio))
 
 
 def _phase(x: Array, y: Array, press: Press, skin: Skin, rng: Rng) -> Array:
@@ -172,12 +156,14 @@ def press_pad(press: Press, skin: Skin, *, mm: float, shape: tuple[int, int], rn
     # The mean of (1 − ρ²)^s over the region is 1/(s + 1).
     pressure = press.mean_pressure * (press.exponent + 1) * (1 - rho2) ** press.exponent
     phase = _phase(x, y, press, skin, rng)
-    height = 1 + skin.height_spread * smooth_noise(shape, 0.8 / mm, rng)
+    height = 1 + skin.height_spread * smooth_noise(rng, shape, 0.8 / mm)
     width = touching_width(pressure * np.maximum(height, 0.05) - skin.threshold, skin)
-    rough = skin.roughness * smooth_noise(shape, skin.roughness_mm / mm, rng)
+    rough = skin.roughness * smooth_noise(rng, shape, skin.roughness_mm / mm)
     touching = (phase / np.pi + rough < width) & (rho2 < 1) & ~_holes(phase, skin, mm, rng)
     points = np.stack(np.nonzero(touching), axis=1)
-    semi_major, semi_minor = _semi_axes(press)
+    semi_major, semi_minor = true_image.equal_ellipse(
+        _radius(press, np.linspace(0, 2 * np.pi, 4096, endpoint=False))
+    )
     return Contact(
         mm=mm,
         touching=touching,

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from benchmarks.arrays import Array, Pixels, Rng
+from benchmarks.truth.true_image import jpeg
 
 Shape: TypeAlias = tuple[int, int]
 
@@ -229,13 +230,9 @@ class Camera:
         pixels = np.asarray(np.clip(np.round(seen), 0, 255), np.uint8)
         if not self.jpeg:
             return pixels
-        grey = pixels.ndim == 2
-        mode = cv2.IMREAD_GRAYSCALE if grey else cv2.IMREAD_COLOR
-        _, coded = cv2.imencode(
-            ".jpg", pixels if grey else pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, self.jpeg]
-        )
-        decoded = np.asarray(cv2.imdecode(coded, mode), np.uint8)
-        return decoded if grey else np.ascontiguousarray(decoded[..., ::-1])
+        if pixels.ndim == 2:
+            return jpeg(pixels, self.jpeg)
+        return np.ascontiguousarray(jpeg(np.ascontiguousarray(pixels[..., ::-1]), self.jpeg)[..., ::-1])
 
 
 class _Scene:

@@ -12,13 +12,13 @@ Semi-axes are those of equal second moments: the ellipse's own where the outline
 
 import zlib
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import cv2
 import numpy as np
 
 from benchmarks.arrays import Array, Range, Rng
-from benchmarks.truth.true_image import TrueImage, eight_bit
+from benchmarks.truth.true_image import TrueImage, eight_bit, holes, smooth_noise
 
 _FINEST, _MARGIN_MM, _PER_PERIOD = 0.013, 2.0, 5.0
 
@@ -80,13 +80,7 @@ CONDITIONS = {
 }
 
 
-def smooth(rng: Rng, shape: tuple[int, ...], length: float) -> Array:
-    """Return noise of unit variance over a length in samples."""
-    coarse = max(length / 2.5, 1.0)
-    white = rng.normal(size=[int(np.ceil(n / coarse)) + 4 for n in shape]).astype(np.float32)
-    noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
-    enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return enlarged[: shape[0], : shape[1]]
+smooth = partial(smooth_noise, knots=lambda n: int(np.ceil(n)) + 4, per_length=2.5)
 
 
 @lru_cache(maxsize=16)
@@ -172,24 +166,12 @@ def _contact(x: Array, y: Array, semi: Range, c: Condition, rng: Rng) -> dict[st
     overlap = np.where(inside > 0, np.minimum(full * rise * heights, 0.85), -1.0)
     gap = height - overlap
     touching = (gap < 0) & (inside > 0)
-    _pierce(touching, phase, c.pores, step, rng)
+    touching &= ~holes(
+        rng, phase < 0.4, step, c.pores,
+        radius=(0.025, 0.05), creases=lambda: int(rng.integers(0, 4)), length=(1, 5), width=(0.05, 0.12),
+    )  # fmt: skip
     contrast = np.minimum(depth / (rng.uniform(*c.dim) * uneven), 1)
     return {"touching": touching, "gap": gap, "inside": inside, "contrast": contrast}
-
-
-def _pierce(touching: Array, phase: Array, density: float, step: float, rng: Rng) -> None:
-    """Open sweat pores on crests, and up to three creases."""
-    holes = np.zeros(touching.shape, np.uint8)
-    crests = np.argwhere(phase < 0.4)
-    count = rng.poisson(density * phase.size * step**2 / 0.48**2)
-    for row, column in crests[rng.integers(len(crests), size=count)]:
-        cv2.circle(holes, (int(column), int(row)), max(1, round(rng.uniform(0.025, 0.05) / step)), 1, -1)
-    for _ in range(rng.integers(0, 4)):
-        start, slope = rng.uniform(0.3, 0.7, 2) * phase.shape[::-1], rng.uniform(0, np.pi)
-        end = start + rng.uniform(1, 5) / step * np.array([np.cos(slope), np.sin(slope)])
-        wide = max(1, round(rng.uniform(0.05, 0.12) / step))
-        cv2.line(holes, start.astype(int).tolist(), end.astype(int).tolist(), 1, wide)
-    touching &= holes == 0
 
 
 def _darkness(parts: dict[str, Array], step: float, c: Condition, rng: Rng) -> Array:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.derive.solved_contacts import layer_spectrum
+from benchmarks.truth.layers import layer_spectrum
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose

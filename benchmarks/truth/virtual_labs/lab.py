@@ -9,8 +9,10 @@ from PIL import Image
 from scipy import optimize
 
 from benchmarks.arrays import Array, Rng
+from benchmarks.truth.hertz import hertz_factors
+from benchmarks.truth.true_image import equal_ellipse
 
-from .physics import Gap, Law, Pad, ellipse_of, hertz_factors
+from .physics import Gap, Law, Pad
 from .pictures import FACES, Device, contact_image, outline_points, photograph
 
 WEDGES = (30, 45)
@@ -145,10 +147,10 @@ class _Lab:
                 contact = law.outline(xi), np.asarray(law.profile(np.sqrt(xi))), pressure
                 picture, _ = contact_image(*contact, self.device, self.mm_per_px, rng=self.rng)
                 _save(picture, self.folder / f"{name}.png")
-                major, minor = ellipse_of(contact[0])
+                major, minor = equal_ellipse(contact[0])
                 truth.areas[name], truth.axes[name] = np.pi * major * minor, (major, minor)
                 truth.indentation[name] = xi
-                factors.append(hertz_factors(major, minor)[1] ** -3)
+                factors.append(hertz_factors(minor / major)[1] ** -3)
                 self.lines += [
                     f'[[observations]]\nname = "{name}"\nfinger = "finger"\nwedge_angle_deg = {wedge}',
                     f'load_N = {load}\nfile = "{name}.png"\nscale = "device"\nsynthetic = true',

@@ -7,6 +7,7 @@ import numpy as np
 from scipy import fft, interpolate, ndimage, optimize, special
 
 from benchmarks.arrays import Array
+from benchmarks.truth.layers import compliance
 
 CELLS = 128
 DIRECTIONS = 72
@@ -107,12 +108,8 @@ class Paraboloid:
 def _layer_excess(poisson: float) -> interpolate.CubicSpline:
     """Return t π E* times the layer's surface displacement less that of a half-space, against r/t."""
     x = np.linspace(0, 30, 6001)
-    decay = np.exp(-2 * x)
-    a = 3 - 4 * poisson
-    top = a * (1 - decay**2) / 2 - 2 * x * decay
-    bottom = a * (1 + decay**2) / 2 + (2 * x**2 + 5 - 12 * poisson + 8 * poisson**2) * decay
     distance = np.linspace(0, 16, 1601)
-    kernel = (top / bottom - 1) * special.j0(np.outer(distance, x))
+    kernel = (compliance(x, poisson) - 1) * special.j0(np.outer(distance, x))
     return interpolate.CubicSpline(distance, np.trapezoid(kernel, x, axis=1))
 
 
@@ -276,47 +273,3 @@ class Law:
     def outline(self, indentation: float) -> Array:
         """Return radii of the contact about its centroid."""
         return self.outline_over(np.sqrt(indentation)) * np.sqrt(indentation)
-
-
-def ellipse_of(outline: Array) -> tuple[float, float]:
-    """Return semi-axes of the ellipse of equal area and of the same shape of second moments."""
-    angle = 2 * np.pi * np.arange(len(outline)) / len(outline)
-    c, s, w = np.cos(angle), np.sin(angle), outline
-    area = np.mean(w**2) * np.pi
-    mean = 2 * np.pi / 3 * np.array([np.mean(w**3 * c), np.mean(w**3 * s)]) / area
-    mixed = np.mean(w**4 * c * s)
-    second = np.array([[np.mean(w**4 * c * c), mixed], [mixed, np.mean(w**4 * s * s)]])
-    moment = np.pi / 2 * second / area - np.outer(mean, mean)
-    minor, major = np.sqrt(np.linalg.eigvalsh(moment))
-    scale = np.sqrt(area / (np.pi * minor * major))
-    return float(major * scale), float(minor * scale)
-
-
-def hertz_factors(major: float, minor: float) -> tuple[float, float]:
-    """Return Johnson's F1 and F2 (4.26, 4.29) of a contact ellipse."""
-    k = minor / major
-    m = 1 - k**2
-    if m < 1e-6:
-        return 1.0, 1.0
-    big_k, big_e = special.ellipk(m), special.ellipe(m)
-    f1 = (4 / (np.pi * m) * k**1.5 * np.sqrt((big_e / k**2 - big_k) * (big_k - big_e))) ** (1 / 3)
-    return float(f1), float(2 / np.pi * np.sqrt(k) * big_k / f1)
-
-
-def elliptic_hertz(curvatures: tuple[float, float]) -> tuple[float, float]:
-    """Return W/(E* ξ^1.5) and A/ξ of Hertz theory."""
-    low, high = curvatures
-    if high / low < 1 + 1e-6:
-        m = 1e-9
-    else:
-
-        def ratio(x: float) -> float:
-            big_k, big_e = special.ellipk(x), special.ellipe(x)
-            return float((big_e / (1 - x) - big_k) / (big_k - big_e) - high / low)
-
-        m = float(optimize.brentq(ratio, 1e-7, 1 - 1e-9))
-    radius = 1 / np.sqrt(low * high)
-    f1, f2 = hertz_factors(1.0, np.sqrt(1 - m))
-    load = 4 / 3 * np.sqrt(radius) * f2**-1.5
-    area = np.pi * (3 * load * radius / 4) ** (2 / 3) * f1**2
-    return float(load), float(area)
