@@ -45,22 +45,12 @@ from fingerpad.study.results.summary_file import (
 RecordType = TypeVar("RecordType", bound=Record)
 
 
-def value(
-    value: float, std: float, *, person: str = "P01", finger: str = "index", named: bool = True, **more: Any
-):
-    given = {
-        "quantity": "radius_from_indentation_mm",
-        "study": "A",
-        "wedge_angle_deg": 30.0,
-        "roll_angle_deg": 0.0,
-    }
-    return Value(
-        value=value,
-        std=std,
-        person=Person(person, named),
-        finger=finger,
-        **{**given, "synthetic": False, **more},
-    )
+PLACED = {"finger": "index", "wedge_angle_deg": 30.0, "roll_angle_deg": 0.0, "synthetic": False}
+
+
+def value(value: float, std: float, *, person: str = "P01", named: bool = True, **more: Any) -> Value:
+    given = {"quantity": "radius_from_indentation_mm", "study": "A", **PLACED}
+    return Value(value=value, std=std, person=Person(person, named), **{**given, **more})
 
 
 def test_a_finger_under_two_names_counts_once(tmp_path: Path) -> None:
@@ -132,8 +122,10 @@ def test_one_person_tells_nothing_of_people() -> None:
     assert mean.interval is None
     assert math.isnan(mean.between_people_std)
     assert mean.between_fingers_std == pytest.approx(0.7, abs=0.01)  # √(1/2 − 0.1²)
-    (single,) = means_of([value(13.0, 0.1)])
-    assert (single.value, single.std) == pytest.approx((13.0, 0.1))
+    # Of one value, as others without uncertainty have no weight.
+    of_others = value(99.0, math.nan, person="P02"), value(98.0, 0.0, person="P03")
+    (single,) = means_of([value(13.0, 0.1), *of_others])
+    assert (len(single.people), single.value, single.std) == (1, pytest.approx(13.0), pytest.approx(0.1))
     assert math.isnan(single.between_fingers_std)
 
 
@@ -177,53 +169,31 @@ def test_a_named_person_s_finger_is_one_in_all_studies() -> None:
     assert len(means_of(mixed)[0].people) == 2
 
 
-def test_values_without_uncertainty_have_no_weight() -> None:
-    (mean,) = means_of(
-        [value(13.0, 0.1), value(99.0, math.nan, person="P02"), value(98.0, 0.0, person="P03")]
-    )
-    assert (len(mean.people), mean.value) == (1, pytest.approx(13.0))
-
-
 # Runs
 
 
 STATED = {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.01}
 
 
-def finger(
-    name: str, palmar: float, *, axes_std: float = 0.1, std: float = 0.1, heavy: float = 2, roll=0.0, **keys
-) -> list[Table]:
+def finger(name: str, palmar: float, *, heavy: float = 2, **keys: Any) -> list[Table]:
     """Return a finger and its contacts at two angles and two loads."""
-    places = ((30, heavy, 7.4), (45, heavy, 5.3), (30, 1, 5.9))
-    return [
-        studies.finger(name, std=axes_std, semi_axes_mm={**PAD, "palmar": palmar}, **keys),
-        *(
-            contact(
-                f"{name}_{wedge}_{load:g}",
-                load,
-                (major, 0.7 * major),
-                finger=name,
-                wedge=wedge,
-                std=std,
-                axis="",
-                **({"roll_angle_deg": roll} if roll else {}),
-            )
-            for wedge, load, major in places
-        ),
+    placed = [
+        contact(f"{name}_{wedge}_{load:g}", load, (major, 0.7 * major), finger=name, wedge=wedge, axis="")
+        for wedge, load, major in ((30, heavy, 7.4), (45, heavy, 5.3), (30, 1, 5.9))
     ]
+    return [studies.finger(name, semi_axes_mm={**PAD, "palmar": palmar}, **keys), *placed]
 
 
-def ran(folder: Path, title: str, *fingers: list[Table], stated: dict[str, float] = STATED) -> Path:
-    studies.run(folder, *chain(*fingers), title=title, uncertainty=stated)
+def ran(folder: Path, title: str, *fingers: list[Table]) -> Path:
+    studies.run(folder, *chain(*fingers), title=title, uncertainty=STATED)
     return folder / "out"
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     root = tmp_path_factory.mktemp("runs")
-    first = ran(
-        root / "a", "Lab <b>A</b>", finger("l_index", 7.9, person="P01"), finger("l_ring", 7.7, person="P01")
-    )
+    of_one = finger("l_index", 7.9, person="P01"), finger("l_ring", 7.7, person="P01")
+    first = ran(root / "a", "Lab <b>A</b>", *of_one)
     second = ran(root / "b", "Lab B", finger("index", 7.2, person="P02"), finger("pad", 8.2, synthetic=True))
     third = ran(root / "c", "Lab C", finger("index", 8.3))
     return [first, second, third]
@@ -239,12 +209,10 @@ def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
         ("Lab C", "index", Person("Lab C", False)),
     }
     for row in studies.summary_of(runs[0])["summaries"]:
+        place = "Lab <b>A</b>", row["finger"], row["wedge_angle_deg"]
         for quantity in ("radius_from_indentation_mm", "mean_curvature_radius_mm"):
-            (one,) = [
-                v for v in found.values
-                if (v.quantity, v.study, v.finger, v.wedge_angle_deg)
-                == (quantity, "Lab <b>A</b>", row["finger"], row["wedge_angle_deg"])
-            ]  # fmt: skip
+            seen = found.of(quantity)[0]
+            (one,) = (v for v in seen if (v.study, v.finger, v.wedge_angle_deg) == place)
             assert (one.value, one.std) == (row[quantity], row[f"{quantity}_std"])
     axes = {v.finger: v.value for v in found.of("palmar_mm")[0] if v.study == "Lab <b>A</b>"}
     assert axes == {"l_index": 7.9, "l_ring": 7.7}
@@ -262,34 +230,25 @@ def finished(**keys: Any) -> FinishedStudy:
         finger="index",
         person="P01",
         synthetic=False,
-        palmar_mm=7.9,
-        distal_mm=13.8,
-        radial_ulnar_mm=11.8,
         covariance_mm2=np.eye(3).tolist(),
+        **{f"{name}_mm": axis for name, axis in PAD.items()},
     )
     validity = record(ValidityRecord, verdict="not tested", headlines={}, checks=[], on_layer=None)
-    placed = {"finger": "index", "wedge_angle_deg": 30.0, "roll_angle_deg": 0.0, "synthetic": False}
     unknown = {"on_layer": None, "radius_from_indentation_variance_shares": None}
-    placement = record(PlacementRecord, **{**placed, **unknown, "validity": validity, **keys})
+    placement = record(PlacementRecord, **{**PLACED, **unknown, "validity": validity, **keys})
     summary = record(SummaryFile, title="A", fingers=[finger], summaries=[placement], curves=[])
     return FinishedStudy(folder=Path("out"), summary=summary)
 
 
 def test_what_both_angles_do_to_a_finger_is_shared() -> None:
-    shares = {
-        "semi-axes": 0.3,
-        "pad shape": 0.06,
-        "wedge angle": 0.09,
-        "roll angle": 0.15,
-        "contact ellipse": 0.4,
-    }
+    shares = {"semi-axes": 0.3, "pad shape": 0.06, "wedge angle": 0.09, "roll angle": 0.15}
     study = finished(
         roll_angle_deg=5.0,
         mean_curvature_radius_mm=13.0,
         mean_curvature_radius_mm_std=0.2,
         radius_from_indentation_mm=14.0,
         radius_from_indentation_mm_std=0.3,
-        radius_from_indentation_variance_shares=shares,
+        radius_from_indentation_variance_shares=shares | {"contact ellipse": 0.4},
     )
     shared = {each.quantity: each.shared_std for each in values_of(study)}
     assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.24))
@@ -349,10 +308,7 @@ def test_areas_have_one_mean_at_each_load(runs: list[Path]) -> None:
     assert {mean.load: mean.value for mean in means} == pytest.approx({2.0: 101.0, 1.0: 62.0}, rel=0.01)
     found = replace(compare_studies(runs), values=tuple(areas), means=tuple(means))
     (plot,) = forest_plot(found, "highest_area_mm2")
-    assert list(plot.figure.panels[0].y.names)[-2:] == [
-        "mean over people at 1 N",
-        "mean over people at 2 N",
-    ]
+    assert list(plot.figure.panels[0].y.names)[-2:] == [f"mean over people at {load} N" for load in (1, 2)]
 
 
 def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
@@ -361,15 +317,10 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
         value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
         for n in range(120)
     ]
-    crowd = type(found)(
-        studies=found.studies, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=()
-    )
+    crowd = replace(found, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=())
     (plot,) = forest_plot(crowd, "palmar_mm")
-    assert isinstance(plot.figure, Figure)
-    assert list(plot.figure.panels[0].y.names) == [
-        *(f"P{n}, 30 fingers" for n in range(4)),
-        "mean over people",
-    ]
+    names = [f"P{n}, 30 fingers" for n in range(4)]
+    assert list(plot.figure.panels[0].y.names) == [*names, "mean over people"]
 
 
 def changed(run: Path, folder: Path, **keys: Any) -> Path:
@@ -379,10 +330,8 @@ def changed(run: Path, folder: Path, **keys: Any) -> Path:
 
 
 def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Path) -> None:
-    provenance = studies.summary_of(runs[2])["provenance"]
-    older = changed(
-        runs[2], tmp_path / "older", provenance={**provenance, "fingerpad": "0.0.9"}, failures=["x"]
-    )
+    other = {**studies.summary_of(runs[2])["provenance"], "fingerpad": "0.0.9"}
+    older = changed(runs[2], tmp_path / "older", provenance=other, failures=["x"])
     notes = " | ".join(compare_studies([runs[0], older]).notes)
     assert "Lab C by 0.0.9" in notes
     assert "Lab C: 1 could not be measured" in notes
@@ -392,13 +341,10 @@ def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: 
     millinewtons = finger("index", 7.9, person="P07", heavy=2000)
     wrong = ran(tmp_path / "wrong", "Lab D", millinewtons)
     compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
-    assert [mean.value for mean in compared.of("youngs_modulus_kpa")[1]] == [
-        mean.value for mean in alone.of("youngs_modulus_kpa")[1]
-    ]
-    note = re.search(
-        r"Lab D, index: youngs_modulus_kpa .* 1–5000 kPa and stands in no mean", str(compared.notes)
-    )
-    assert note is not None
+    means, others = ([mean.value for mean in one.of("youngs_modulus_kpa")[1]] for one in (compared, alone))
+    assert means == others
+    said = r"Lab D, index: youngs_modulus_kpa .* 1–5000 kPa and stands in no mean"
+    assert re.search(said, str(compared.notes))
     assert "1–5000 kPa" not in str(alone.notes)
 
 
@@ -409,13 +355,11 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_pat
     broken = changed(runs[2], tmp_path / "broken", summaries=[{"finger": "index"}], title="Broken")
     odd = changed(runs[2], tmp_path / "odd", fingers="none", title="Odd")
     failed = changed(runs[2], tmp_path / "failed", summaries=[], fingers=[], title="Failed")
-    (tmp_path / "empty").mkdir()
     for paths, message in [
         ([runs[0], runs[0] / "results.csv"], "is the same study as"),
         ([runs[0], copy], "is the same study as"),
         ([runs[2], other], "are both titled 'Lab C'"),
-        ([tmp_path / "empty"], "no finished run there; `fingerpad run"),
-        ([tmp_path / "nowhere"], "no finished run"),
+        ([tmp_path / "nowhere"], "no finished run there; `fingerpad run"),
         ([broken], "broken/summary.json: is not understood"),
         ([odd], "odd/summary.json: is not understood"),
         ([failed], "there is nothing to compare"),
@@ -471,19 +415,13 @@ def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
         record(CheckRecord, check="shape_on_layer", verdict="holds", compared="length over width"),
         record(CheckRecord, check="modulus_on_layer", verdict="not tested", compared="E"),
     ]
-    highest = record(
-        HighestLoadOnLayer, youngs_modulus_on_layer_kpa=49.2, youngs_modulus_on_layer_kpa_std=5.0
+    moduli = {"youngs_modulus_on_layer_kpa": 49.2, "youngs_modulus_on_layer_kpa_std": 5.0}
+    layer = record(
+        OnLayerRecord, effective_thickness_mm=7.9, highest_load=record(HighestLoadOnLayer, **moduli)
     )
-    study = finished(
-        on_layer=record(OnLayerRecord, effective_thickness_mm=7.9, highest_load=highest),
-        validity=record(
-            ValidityRecord,
-            verdict="fails",
-            headlines={"youngs_modulus_kpa": headline},
-            checks=[],
-            on_layer=record(LayerValidityRecord, verdict="holds", checks=checks),
-        ),
-    )
+    of_layer = record(LayerValidityRecord, verdict="holds", checks=checks)
+    known = {"headlines": {"youngs_modulus_kpa": headline}, "checks": [], "on_layer": of_layer}
+    study = finished(on_layer=layer, validity=record(ValidityRecord, verdict="fails", **known))
     values = {one.quantity: one for one in values_of(study)}
     modulus = values["youngs_modulus_kpa"]
     assert (modulus.value, modulus.verdict) == (66.9, "fails")

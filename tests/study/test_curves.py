@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 from tests import command, studies
-from tests.studies import PAD, Table, contact, finger, write_numbers, write_outlines
+from tests.studies import PAD, Table, contact, finger, run_watched, write_numbers, write_outlines
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad._digest import digest_of_values
@@ -16,11 +16,9 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.report import write_report
 from fingerpad.report.text import doubtful_results, to_measure_better
 from fingerpad.simulate import simulate_loading_curve
-from fingerpad.study.engine.runner import Progress
-from fingerpad.study.measuring.curves import loading_radius, placed_pad
+from fingerpad.study.measuring.curves import CurveResult, loading_radius, placed_pad
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
@@ -74,15 +72,9 @@ def study(folder: Path, *curves: Table, **uncertainty: float) -> StudyResult:
     return studies.run(folder, *tables, uncertainty=UNCERTAINTY | uncertainty)
 
 
-def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
-    write_curve(
-        tmp_path / "a.csv",
-        points=250,
-        loading_radius=15.0,
-        initial_modulus=0.04,
-        load_coefficient=0.02,
-        rate=3.0,
-    )
+def test_a_curve_tells_radius_modulus_and_velocity(tmp_path):
+    truth = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": 0.02, "rate": 3.0}
+    write_curve(tmp_path / "a.csv", points=250, **truth)
     result = study(tmp_path, of_file())
     (curve,) = result.curves
     assert abs(curve.loading_radius - 15) < 4 * curve.loading_radius_std
@@ -97,7 +89,7 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
 
 
-def test_curves_from_matlab_and_workbooks_are_that_of_the_csv(tmp_path: Path) -> None:
+def test_curves_from_matlab_and_workbooks_are_that_of_the_csv(tmp_path):
     write_curve(tmp_path / "press.csv", points=60, area=False)
     header, *_ = (tmp_path / "press.csv").read_text().splitlines()
     values = np.loadtxt(tmp_path / "press.csv", delimiter=",", skiprows=1)
@@ -112,7 +104,7 @@ def test_curves_from_matlab_and_workbooks_are_that_of_the_csv(tmp_path: Path) ->
         assert other.fit.contact_offset == first.fit.contact_offset
 
 
-def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: Path) -> None:
+def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path):
     path = tmp_path / "a.csv"
     write_curve(path)
     text = path.read_text()
@@ -125,30 +117,24 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: P
     assert mapped.curves[0].loading_radius > 0
 
     path.write_text(text.replace("force_N", "Fz (N)"))
-    reason = study(tmp_path, of_file()).curves[0].reason
-    assert reason is not None
+    reason = study(tmp_path, of_file()).curves[0].reason or ""
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
-    reason = study(tmp_path, of_file(file_columns={"force": "Fz (N):mN"})).curves[0].reason
-    assert reason is not None
+    reason = study(tmp_path, of_file(file_columns={"force": "Fz (N):mN"})).curves[0].reason or ""
     assert "'Fz (N)' says N, and its unit is given as mN" in reason
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
 
 
-def test_a_curve_in_other_units_is_noted(tmp_path: Path) -> None:
+def test_a_curve_in_other_units_and_full_widths_given_as_semi_axes_are_noted(tmp_path):
     write_curve(tmp_path / "a.csv", area=False)
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1000, 1]
     write_numbers(tmp_path / "a.csv", "time_s,force_N,displacement_mm", rows)
-    result = study(tmp_path, of_file())
-    assert "millinewtons" in result.notes[0]
-
-
-def test_full_widths_given_as_semi_axes_are_noted(tmp_path: Path) -> None:
     wide = finger(semi_axes_mm={"palmar": 15, "distal": 28.4, "radial_ulnar": 23})
-    (note,) = run_study(write_study(tmp_path, of=wide), tmp_path / "out").notes
-    assert note.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
+    axes, units = run_study(write_study(tmp_path, of_file(), of=wide), tmp_path / "out").notes
+    assert "millinewtons" in units
+    assert axes.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
 
 
-def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
+def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path):
     write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=8.0)
     result = study(tmp_path, on_half_space(), on_half_space())
     assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
@@ -157,7 +143,7 @@ def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
     assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in out
 
 
-def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
+def test_a_stated_instrument_is_corrected_for(tmp_path):
     write_curve(tmp_path / "a.csv", points=100, loading_radius=15.0, initial_modulus=0.04)
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)
     rows[:, 2] += 0.06 * rows[:, 1]  # the stage yields by this much, and its encoder counts it as indentation
@@ -168,7 +154,7 @@ def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
     assert plain.loading_radius < 14.6
 
 
-def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
+def test_a_curve_says_that_it_pressed_a_half_space(tmp_path):
     """What has no layer leaves the force alone to tell its modulus."""
     write_curve(tmp_path / "a.csv", points=200, loading_radius=15.0, initial_modulus=0.04, area=False)
     known = {"loading_radius_mm": 15, "stage_compliance_mm_per_N": 0}
@@ -183,7 +169,7 @@ def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
     assert layer.fit.initial_modulus.std > deep.fit.initial_modulus.std
 
 
-def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Path) -> None:
+def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path):
     """No finger is an ellipsoid, which outlines alone do not tell of the radius across it."""
     pad = finger(photographs=write_outlines(tmp_path))
     result = run_study(write_study(tmp_path, of=pad), tmp_path / "out")
@@ -195,7 +181,7 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     assert placed.radius_ratio_std > 0.03
 
 
-def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path: Path) -> None:
+def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path):
     write_layer_curve(tmp_path / "a.csv")
     pressed = contact("c", 2, (7, 6), std=0.1), of_file()
     thick = finger(effective_thickness_mm=6, effective_thickness_mm_std=0.6)
@@ -203,10 +189,8 @@ def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path: Path) -> No
     layer = bare.curves[0].layer
     value, std = value_with_uncertainty(layer.thickness.value, layer.thickness.std).split(" ± ")
     modulus = layer.youngs_modulus.times(1000)
-    keys = (
-        f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}, with which the curve "
-        f"gives E = {modulus} kPa"
-    )
+    keys = f"state effective_thickness_mm = {value}, effective_thickness_mm_std = {std}, "
+    keys += f"with which the curve gives E = {modulus} kPa"
     better = "; ".join(to_measure_better(bare))
     assert f"{keys}, for f (a.csv)" in better
     assert "thickness of the tissue over bone of f" not in better
@@ -217,7 +201,7 @@ def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path: Path) -> No
     assert "semi-axes" not in said + said_of_stated
 
 
-def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path: Path) -> None:
+def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path):
     write_layer_curve(tmp_path / "a.csv")
     plain, loose = (
         study(tmp_path, of_file(), **stated).curves[0].layer
@@ -230,45 +214,48 @@ def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path: Path) -> Non
     assert stated.layer is None
 
 
-def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
+def test_only_curves_that_changed_are_fitted_again(tmp_path):
     for name in ("a", "b"):
         write_curve(tmp_path / f"{name}.csv", area=name == "a", loading_radius=15.0, initial_modulus=0.04)
     curves = (on_half_space(), of_file("b.csv"), of_file("b.csv", fit_load_range_N=[0.2, 1.5]))
+    manifest = write_study(tmp_path, *curves)
 
-    def fitted(*now: Table) -> tuple[list[str], StudyResult]:
-        reported: list[Progress] = []
-        write_study(tmp_path, *now)
-        assert study_status(tmp_path / "study.toml", tmp_path / "out").total == len(now) + 1
-        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=reported.append)
-        return [one.item for one in reported if one.item.startswith("f/")], result
+    def fitted() -> tuple[list[str], list[CurveResult]]:
+        result, measured = run_watched(manifest)
+        return [name for name in measured if name.startswith("f/")], result.curves
 
-    first, fresh = fitted(*curves)
+    def stale() -> int:
+        found = study_status(manifest, tmp_path / "out")
+        assert found.total == len(curves) + 1
+        return found.stale
+
+    first, fresh = fitted()
     assert first == ["f/a.csv", "f/b.csv", "f/b.csv (2)"]
-    again, kept = fitted(*curves)
+    again, kept = fitted()
     assert again == []
-    assert digest_of_values(kept.curves) == digest_of_values(fresh.curves)
+    assert digest_of_values(kept) == digest_of_values(fresh)
     write_curve(tmp_path / "a.csv", loading_radius=14.0, initial_modulus=0.04)
-    assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == 1
-    changed, other = fitted(*curves)
+    assert stale() == 1
+    changed, other = fitted()
     assert changed == ["f/a.csv"]
-    assert other.curves[0].loading_radius < kept.curves[0].loading_radius
+    assert other[0].loading_radius < kept[0].loading_radius
     # the pad's shape is drawn beside the data, so that other semi-axes ask for another comparison
     write_study(tmp_path, *curves, of=finger(semi_axes_mm=PAD | {"palmar": 8.1}))
-    assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == len(curves)
+    assert stale() == len(curves)
 
 
-def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path: Path) -> None:
+def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path):
     def checked(**keys: object) -> int:
-        reported: list[Progress] = []
+        seen: list[str] = []
         manifest = write_study(tmp_path, **keys)
-        result = run_study(manifest, tmp_path / "out", on_progress=reported.append)
+        result = run_study(manifest, tmp_path / "out", on_progress=lambda one: seen.append(one.status))
         assert result.checks[0].observation == "c"
-        return [one.status for one in reported].count("checked")
+        return seen.count("checked")
 
     assert [checked(), checked(), checked(load=3), checked(load=3, notes="calm")] == [1, 0, 1, 0]
 
 
-def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:
+def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path):
     write_curve(tmp_path / "a.csv", area=False, loading_radius=15.0)
     alone = study(tmp_path, of_file()).curves[0]
     assert not alone.fit.initial_modulus.known
@@ -281,7 +268,7 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
     assert helped.fit.youngs_modulus.std / helped.fit.youngs_modulus.value == pytest.approx(0.05, rel=0.15)
 
 
-def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> None:
+def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path):
     load = np.linspace(0.5, 2.0, 6)
     depth = load ** (2 / 3)
     rows = np.stack([load, depth, np.pi * 14.0 * depth], axis=-1)
@@ -293,7 +280,7 @@ def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> N
     assert result.failures == []
 
 
-def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
+def test_curves_of_one_placement_are_pooled(tmp_path):
     for seed in (1, 2):
         write_curve(tmp_path / f"{seed}.csv", loading_radius=15.0, seed=seed)
     result = study(tmp_path, on_half_space("1.csv"), on_half_space("2.csv"))
@@ -303,39 +290,32 @@ def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
     assert abs(pooled.value - 15) < 4 * pooled.std
     assert loading_radius(result.curves, ("f", 30, True)) is None
     assert loading_radius(result.curves, ("f", 45, False)) is None
-    exact = study(tmp_path, of_radius(14), of_radius(16))
-    assert loading_radius(exact.curves, ("f", 30, False)).value == 15
+    # A radius that came out small does not count for more.
+    for stated, std in (({}, None), ({"loading_radius_mm_std": 0.1}, 1.5 / np.sqrt(2))):
+        given = (of_radius(r, **{name: each * r for name, each in stated.items()}) for r in (14.0, 16.0))
+        found = loading_radius(study(tmp_path, *given).curves, ("f", 30, False))
+        assert found.value == pytest.approx(15.0)
+        assert std is None or found.std == pytest.approx(std)
 
 
-def test_a_bad_curve_costs_itself_only(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text("force_N,displacement_mm\n" + "0.0,1.0\n" * 30)
-    write_curve(tmp_path / "b.csv", area=False)
-    result = study(tmp_path, of_file(), of_file("b.csv", cycle=3), of_file("b.csv"))
-    bad, missing, good = result.curves
-    assert bad.failed
-    assert bad.reason.startswith("a.csv: ")
-    assert "cycle" in missing.reason
-    assert good.fit is not None
-    assert str(tmp_path) not in "".join(result.failures)
-
-
-def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
+def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp_path):
+    (tmp_path / "bad.csv").write_text("force_N,displacement_mm\n" + "0.0,1.0\n" * 30)
     write_curve(tmp_path / "a.csv", area=False)
     for rate in (1.0, 4.0):
         write_curve(tmp_path / f"{rate:g}.csv", rate=rate)
-    result = study(tmp_path, *map(of_file, ("a.csv", "1.csv", "4.csv")))
-    page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
+    given = of_file("bad.csv"), of_file(cycle=3), *map(of_file, ("a.csv", "1.csv", "4.csv"))
+    result = study(tmp_path, *given)
+    bad, missing, alone, *whole = result.curves
+    assert bad.failed
+    assert bad.reason.startswith("bad.csv: ")
+    assert "cycle" in missing.reason
+    assert alone.fit is not None
+    assert str(tmp_path) not in "".join(result.failures)
+    page = html.unescape(studies.page_of(result, tmp_path / "out"))
     assert "no contact area in the curve" in page
-    for curve in result.curves[1:]:  # each with two moduli, and a word which to believe
-        assert curve.layer.advice in html.unescape(page)
-    assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
-    names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}
+    for curve in whole:  # each with two moduli, and a word which to believe
+        assert curve.layer.advice in page
+    assert "Young's modulus at no load against velocity" in page
+    names = {path.name for path in (tmp_path / "out" / "figures").glob("curve4*.svg")}
     assert len(names) == 7
-    assert "curve2_f_30deg_simulator.svg" in names
-
-
-def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
-    given = (of_radius(r, loading_radius_mm_std=0.1 * r) for r in (14.0, 16.0))
-    pooled = loading_radius(study(tmp_path, *given).curves, ("f", 30, False))
-    assert pooled.value == pytest.approx(15.0)
-    assert pooled.std == pytest.approx(1.5 / np.sqrt(2))
+    assert "curve4_f_30deg_simulator.svg" in names

@@ -14,7 +14,9 @@ from tests.studies import (
     contact,
     correct,
     finger,
+    page_of,
     picture,
+    rows_by,
     rows_of,
     sequence,
     summary_of,
@@ -24,7 +26,6 @@ from tests.studies import (
 from tests.study.small_study import LOAD, PPI
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.report import write_report
 from fingerpad.report.text import implausible_values
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.measuring.curves import loading_radius
@@ -43,16 +44,14 @@ def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Stud
     return result, out
 
 
-def test_measures_the_rendered_pad_as_it_is(demo: tuple[StudyResult, Path]) -> None:
+def test_measures_the_rendered_pad_as_it_is(demo) -> None:
     result, _ = demo
-    rows = {row["observation"]: row for row in records(result.rows)}
+    rows = rows_by(result)
     truths = rows_of(EXAMPLE / "synthetic" / "truth.csv")
     assert len(truths) == 9
     for truth in truths:
         row = rows[truth["observation"]]
-        assert row["status"] == "measured"
-        assert row["synthetic"]
-        assert row["flags"] == ""
+        assert (row["status"], row["synthetic"], row["flags"]) == ("measured", True, "")
         assert row["long_axis"] == row["predicted_long_axis"] == "across"
         for name, within in (("semi_major_mm", 0.02), ("semi_minor_mm", 0.02), ("indentation_mm", 0.035)):
             assert_allclose(row[name], float(truth[name]), rtol=within)
@@ -60,7 +59,7 @@ def test_measures_the_rendered_pad_as_it_is(demo: tuple[StudyResult, Path]) -> N
         assert abs(row["reduced_modulus_kpa"] - 90) < 3.5 * row["reduced_modulus_kpa_std"]
 
 
-def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) -> None:
+def test_measures_the_photographs_and_the_curve(demo) -> None:
     result, _ = demo
     pad = result.fingers["synthetic_pad"]
     assert_allclose(pad.semi_axes, [7.9, 13.8, 11.8], rtol=0.01)
@@ -77,9 +76,9 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
     assert abs(loading.value - 13.6248 * 0.99986) < 3 * loading.std < 0.7
 
 
-def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
+def test_the_rows_of_dzidek2017_hold_its_numbers(demo) -> None:
     result, _ = demo
-    rows = {row["observation"]: row for row in records(result.rows)}
+    rows = rows_by(result)
     expected = {
         "table3_30deg_ellipse": (45.243495, 13.607666, 13.625),
         "table3_45deg_ellipse": (60.210426, 9.982357, 10.175),
@@ -97,7 +96,7 @@ def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path])
     assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
 
 
-def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[StudyResult, Path]) -> None:
+def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo) -> None:
     result, _ = demo
     keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]
     assert len(keys) == len(set(keys)) == 6
@@ -106,12 +105,11 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[Stu
     assert pooled["synthetic_pad", 30.0, True].count == 6
     assert pooled["left_index_ellipse", 30.0, False].count == 1
     truth = 13.6077 * 1.0004  # R_0g F2⁻³ of the true pad
-    assert (
-        abs(pooled["synthetic_pad", 30.0, True].value - truth) < 2 * pooled["synthetic_pad", 30.0, True].std
-    )
+    found = pooled["synthetic_pad", 30.0, True]
+    assert abs(found.value - truth) < 2 * found.std
 
 
-def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
+def test_tables_agree_with_each_other(demo) -> None:
     result, out = demo
     table = rows_of(out / "results.csv")
     records = json.loads((out / "results.json").read_text())
@@ -131,15 +129,12 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
 
-def test_each_column_is_filled_by_some_study(
-    demo: tuple[StudyResult, Path], small_study: Path, tmp_path: Path
-) -> None:
+def test_each_column_is_filled_by_some_study(demo, small_study: Path, tmp_path: Path) -> None:
     """By the demo study, or by one whose rows are rejected, left out, cut, repeated and out of range."""
     folder = Path(shutil.copytree(small_study.parent, tmp_path / "study"))
     with Image.open(folder / "o0.png") as whole:
         whole.crop((45, 0, *whole.size)).save(folder / "cut.png")
-    approach = np.minimum(np.arange(LOAD.size) - 2, 0) / 10
-    stage = approach + 1.2 * (LOAD / 2) ** (2 / 3)
+    stage = np.minimum(np.arange(LOAD.size) - 2, 0) / 10 + 1.2 * (LOAD / 2) ** (2 / 3)
     force = np.transpose([np.arange(LOAD.size) / 20, LOAD, stage])
     write_numbers(folder / "force.csv", "time_s,force_N,displacement_mm", force)
     drawn = {"scale": {"ppi": PPI}}
@@ -160,9 +155,7 @@ def test_each_column_is_filled_by_some_study(
     assert set(COLUMNS) - filled == set()
 
 
-def test_a_bad_image_costs_its_row_only(
-    run_demo: Path, tmp_path: Path, demo: tuple[StudyResult, Path]
-) -> None:
+def test_a_bad_image_costs_its_row_only(run_demo: Path, tmp_path: Path, demo) -> None:
     copy = Path(shutil.copytree(run_demo, tmp_path / "study"))
     bad = copy / "synthetic"
     (bad / "synthetic_30deg_1N.png").write_bytes((bad / "synthetic_30deg_1N.png").read_bytes()[:2000])
@@ -171,8 +164,7 @@ def test_a_bad_image_costs_its_row_only(
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
     (bad / "curve_30deg_10mm_per_s.csv").write_text("force_N\n1\n")
     result = run_study(copy / "study.toml", copy / "results")  # the others are there already
-    rows = {row["observation"]: row for row in records(result.rows) if row["frame"] is None}
-    untouched = {row["observation"]: row for row in records(demo[0].rows)}
+    rows, untouched = rows_by(result), rows_by(demo[0])
     for load in ("1N", "2N", "4N"):
         row = rows[f"synthetic_30deg_{load}"]
         assert row["status"] == "failed"
@@ -208,29 +200,19 @@ def run(folder: Path, *tables: Table) -> StudyResult:
     return run_study(write(folder, *tables), folder / "out")
 
 
-@pytest.mark.parametrize("out", [".", "sub"])
-def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None:
-    picture = tmp_path / out / "overlays" / "a.png"
-    picture.parent.mkdir(parents=True)
-    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", picture)
-    before = picture.read_bytes()
-    manifest = write(tmp_path, shown("a", f"{out}/overlays/a.png"))
-    with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
+@pytest.mark.parametrize(
+    ("file", "out"),
+    [("overlays/a.png", "."), ("sub/overlays/a.png", "sub"), ("a.png", "study.toml"), ("a.png", "a.png")],
+)
+def test_results_are_never_written_over_inputs(tmp_path: Path, file: str, out: str) -> None:
+    (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / file)
+    before = (tmp_path / file).read_bytes()
+    manifest = write(tmp_path, shown("a", file))
+    over = file if "/" in file else out
+    with pytest.raises(ManifestError, match=f"results would be written over .*{over}.*; choose another"):
         run_study(manifest, tmp_path / out)
-    assert picture.read_bytes() == before
-
-
-@pytest.mark.parametrize("out", ["study.toml", "a.png"])
-def test_an_input_is_no_output_folder(tmp_path: Path, out: str) -> None:
-    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "a.png")
-    manifest = write(tmp_path, shown("a", "a.png"))
-    with pytest.raises(ManifestError, match=f"results would be written over {out}; choose another"):
-        run_study(manifest, tmp_path / out)
-
-
-def test_a_folder_stands_for_its_manifest(tmp_path: Path) -> None:
-    write(tmp_path, contact("x", 1))
-    assert len(run_study(tmp_path, tmp_path / "out").rows) == 1
+    assert (tmp_path / file).read_bytes() == before
 
 
 def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
@@ -247,7 +229,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     assert summary.pooled_from == "1 of 2 observations"
     only = run(tmp_path, shown("cut", "cut.png"))
     assert only.summaries[0].corrected_radius is None
-    assert "shown, not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
+    assert "shown, not pooled" in page_of(only, tmp_path / "out")
 
 
 def test_slips_of_units_are_noted(tmp_path: Path) -> None:
@@ -260,11 +242,12 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
     assert "deeper_than_pad" in notes
 
 
-def test_study_through_a_link(tmp_path: Path) -> None:
+def test_a_study_through_a_link_and_by_its_folder(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
-    real = write(tmp_path / "real").rename(tmp_path / "real" / "other.toml")
+    real = write(tmp_path / "real", contact("x", 1)).rename(tmp_path / "real" / "other.toml")
     (tmp_path / "mine" / "study.toml").symlink_to(real)
-    result = run_study(tmp_path / "mine" / "study.toml", tmp_path / "out")
+    result = run_study(tmp_path / "mine", tmp_path / "out")
+    assert len(result.rows) == 1
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
@@ -277,6 +260,6 @@ def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:
     assert result.summaries[0].corrected_radius is None
     (size, *_) = implausible_values(result)
     assert size.startswith("f, wedge 30°: in 1 of 1 contact a semi-axis of the pad lies outside 2–40 mm: ")
-    page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
+    page = page_of(result, tmp_path / "out")
     assert page.index("f, wedge 30°: in 1 of 1 contact a semi-axis") < page.index("<details")
     assert "x is left out: a semi-axis of the pad lies outside 2–40 mm" in page

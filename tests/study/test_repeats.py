@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.claims.area_exponents import ERRORS, held, smooth
-from tests.studies import correct, finger, rows_of, study_of, summary_of, write_study
+from tests.studies import correct, finger, rows_by, rows_of, run_watched, study_of, summary_of, write_study
 
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.study.manifest.models import ContactSequence, Observation
+from fingerpad.study.manifest.models import Contact, ContactSequence, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study
@@ -33,7 +33,7 @@ KNOWN = ContactRepeatability(
     covariance=np.array([[0.02**2, 0.0], [0.0, 0.05**2]]), freedom=12, groups=6, count=18
 )
 NONE = ContactRepeatability(covariance=np.zeros((2, 2)), freedom=0, groups=0, count=0)
-BOTH = {False: KNOWN, True: NONE}
+BOTH, NEITHER = {False: KNOWN, True: NONE}, {False: NONE, True: NONE}
 
 
 def contact(
@@ -58,9 +58,13 @@ def contact(
     return observation, replace(measured, **more)
 
 
-def repeats(count: int = 4, **more: Any) -> list[tuple[Observation, Measurement]]:
+def modelled(*seen: tuple[Contact, Measurement], known: Any = None) -> Rows:
+    return model_contacts(STUDY, PADS, seen, *([known] if known else []))
+
+
+def repeats(count: int = 4) -> list[tuple[Observation, Measurement]]:
     rng = np.random.default_rng(5)
-    return [contact(k, 6 * np.exp(rng.normal(0, 0.02)), 0.3, **more) for k in range(count)]
+    return [contact(k, 6 * np.exp(rng.normal(0, 0.02)), 0.3) for k in range(count)]
 
 
 @pytest.mark.parametrize(
@@ -83,11 +87,8 @@ def repeats(count: int = 4, **more: Any) -> list[tuple[Observation, Measurement]
 def test_which_contacts_are_repeats(other: dict[str, Any], are_repeats: bool) -> None:
     seen = [contact(0), contact(1, **other)]
     assert contact_repeatability(STUDY, PADS, seen)[False].freedom == are_repeats
-
-
-def test_contacts_of_a_pad_of_no_fingers_size_are_no_repeats() -> None:
-    large = {"f": replace(PADS["f"], semi_axes=10 * AXES)}
-    assert contact_repeatability(STUDY, large, repeats(4))[False].count == 0
+    large = {"f": replace(PADS["f"], semi_axes=10 * AXES)}  # of no finger's size
+    assert contact_repeatability(STUDY, large, seen)[False].count == 0
 
 
 def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path) -> None:
@@ -99,18 +100,17 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path)
     wrong = [",".join([*line.split(",")[:5], "9.0", "8.0", "0.05"]) for line in lines if outlier in line]
     sheet.write_text("\n".join([line for line in lines if outlier not in line] + wrong) + "\n")
     correct(tmp_path, outlier, {"pooling": {"include": False, "why": "slipped"}})
-    result = run_study(path, out)
-    left_out = {row["observation"]: row["youngs_modulus_kpa_std"] for row in records(result.rows)}
+    left_out = rows_by(run_study(path, out))
     (found,) = summary_of(out)["repeatability"]["contact"]
     lines = [row for row in rows_of(out / "repeatability.csv") if row["quantity"] == "contact_area"]
     (repeat,) = (row for row in lines if row["level"] == "repeat")
     assert (found["count"], found["degrees_of_freedom"]) == (11, 9)
     assert (int(repeat["count"]), int(repeat["degrees_of_freedom"])) == (11, 9)
     correct(tmp_path, outlier, {"rejected": "slipped"})
-    rejected = run_study(path, out)
-    for row in records(rejected.rows):
-        if row["observation"] != outlier:
-            assert left_out[row["observation"]] == pytest.approx(row["youngs_modulus_kpa_std"])
+    rejected = rows_by(run_study(path, out))
+    for name in rejected.keys() - {outlier}:
+        stds = (rows[name]["youngs_modulus_kpa_std"] for rows in (left_out, rejected))
+        assert next(stds) == pytest.approx(next(stds))
 
 
 def test_frames_of_a_sequence_are_no_repeats() -> None:
@@ -122,31 +122,23 @@ def test_frames_of_a_sequence_are_no_repeats() -> None:
         for k, (_, measured) in enumerate(repeats(5))
     ]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
-    rows = model_contacts(STUDY, PADS, frames, BOTH)
+    rows = modelled(*frames, known=BOTH)
     assert pool_by_load(rows, BOTH) == []
 
 
 def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
     """By Hertz theory E goes with the cube of the contact's radius, ξ with its square."""
-    (plain,), (row,) = (
-        records(model_contacts(STUDY, PADS, [contact(0)], known).table)
-        for known in ({False: NONE, True: NONE}, BOTH)
-    )
+    (plain,), (row,) = (records(modelled(contact(0), known=known).table) for known in (NEITHER, BOTH))
     exact = replace(KNOWN, covariance=np.diag([0.02**2, 0.0]))
-    (radial,) = records(model_contacts(STUDY, PADS, [contact(0)], {False: exact, True: NONE}).table)
+    (radial,) = records(modelled(contact(0), known={False: exact, True: NONE}).table)
     modulus = radial["youngs_modulus_kpa_repeatability_std"] / radial["youngs_modulus_kpa"]
     assert modulus == pytest.approx(3 * 0.02, rel=1e-6)
     indentation = radial["indentation_mm_repeatability_std"] / radial["indentation_mm"]
     assert indentation == pytest.approx(2 * 0.02, rel=1e-6)
     assert radial["gross_area_mm2_repeatability_std"] == pytest.approx(2 * 0.02 * radial["gross_area_mm2"])
     assert radial["radius_from_indentation_mm_repeatability_std"] == pytest.approx(0, abs=1e-9)
-    up, down = (
-        model_contacts(STUDY, PADS, [contact(0, elongation=0.3 + off)])
-        .table["radius_from_indentation_mm"]
-        .iloc[0]
-        for off in (0.001, -0.001)
-    )
-    expected = 0.05 * abs(up - down) / 0.002
+    stretched = modelled(*(contact(0, elongation=0.3 + off) for off in (0.001, -0.001)))
+    expected = 0.05 * abs(np.diff(stretched.table["radius_from_indentation_mm"])[0]) / 0.002
     assert row["radius_from_indentation_mm_repeatability_std"] == pytest.approx(expected, rel=1e-3)
     for name in ("youngs_modulus_kpa", "indentation_mm"):
         added = row[f"{name}_repeatability_std"]
@@ -160,8 +152,8 @@ def test_no_contact_counts_for_all_because_of_its_little_noise() -> None:
     quiet = contact(0, elongation=0.2)
     others = [contact(k, elongation=0.2, covariance_mm2=0.01 * np.eye(2)) for k in (1, 2, 3, 4)]
     weights = []
-    for known in ({False: NONE, True: NONE}, BOTH):
-        (summary,) = pool_contacts(model_contacts(STUDY, PADS, [quiet, *others], known))
+    for known in (NEITHER, BOTH):
+        (summary,) = pool_contacts(modelled(quiet, *others, known=known))
         assert summary.corrected_radius is not None
         weights.append(summary.corrected_radius.largest_weight)
     assert weights[0] > 0.99
@@ -175,7 +167,7 @@ def test_scatter_between_contacts_is_in_the_weights() -> None:
     others = [
         contact(k, elongation=e, covariance_mm2=0.001 * np.eye(2)) for k, e in enumerate((0.3, 0.4, 0.5), 1)
     ]
-    (summary,) = pool_contacts(model_contacts(STUDY, PADS, [quiet, *others]))
+    (summary,) = pool_contacts(modelled(quiet, *others))
     pooled = summary.corrected_radius
     assert pooled is not None
     assert pooled.fixed.weights.max() > 0.99
@@ -184,7 +176,7 @@ def test_scatter_between_contacts_is_in_the_weights() -> None:
 
 
 def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
-    rows = model_contacts(STUDY, PADS, repeats(4), BOTH)
+    rows = modelled(*repeats(4), known=BOTH)
     (at,) = pool_by_load(rows, BOTH)
     areas = rows.table["gross_area_mm2"].to_numpy()
     assert (at.contacts, at.sessions, at.load_N) == (4, 1, 1.0)
@@ -197,13 +189,13 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
         getattr(at, f"youngs_modulus_kpa_{part}_std") for part in ("noise", "repeatability", "edge", "other")
     ]
     assert at.youngs_modulus_kpa_std == pytest.approx(np.linalg.norm(parts))
-    (at,) = pool_by_load(rows, {False: NONE, True: NONE})
+    (at,) = pool_by_load(rows, NEITHER)
     assert np.isnan(at.contact_area_mm2_repeatability_std)
 
 
 def test_a_mean_of_contacts_that_tell_nothing_has_an_interval_of_all_there_is() -> None:
     nothing = [contact(k, gross_area_mm2_std=1e5) for k in range(3)]
-    (at,) = pool_by_load(model_contacts(STUDY, PADS, nothing, BOTH), BOTH)
+    (at,) = pool_by_load(modelled(*nothing, known=BOTH), BOTH)
     assert np.isfinite(at.contact_area_mm2)
     assert at.contact_area_mm2_ci95_low < 1e-9
     assert at.contact_area_mm2_ci95_high > 1e9
@@ -221,9 +213,7 @@ def manifest(folder: Path, count: int) -> Path:
 
 
 @pytest.mark.parametrize(("count", "known"), [(1, False), (2, False), (3, True)])
-def test_a_run_tables_repeatability_or_says_that_it_is_missing(
-    tmp_path: Path, count: int, known: bool
-) -> None:
+def test_a_run_tables_repeatability_or_says_that_it_is_missing(tmp_path, count, known) -> None:
     out = tmp_path / "out"
     result = run_study(manifest(tmp_path, count), out)
     (borrowed,) = summary_of(out)["repeatability"]["contact"]
@@ -238,10 +228,8 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
     assert [float(row["load_N"]) for row in at_loads] == [1, 2]
     assert all((row["contact_area_mm2_repeatability_std"] != "") == known for row in at_loads)
     assert {row["session"] for row in records(result.rows)} == {"monday"}
-    environment = templates()
-    section = environment.get_template("repeatability.html.jinja").render(
-        repeats=repeatability_section(result)
-    )
+    template = templates().get_template("repeatability.html.jinja")
+    section = template.render(repeats=repeatability_section(result))
     assert ("Repeatability is missing" in section) != known
     assert ("Two repeats agree" in section) == known
     assert ("repeatability missing" in section) != known
@@ -255,7 +243,7 @@ def test_limits_of_agreement_add_what_lies_within() -> None:
         for s in range(4)
         for k in range(4)
     ]
-    rows = model_contacts(STUDY, PADS, seen).table
+    rows = modelled(*seen).table
     found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "contact_area")
     lines = {line.level: line for line in scatter_record(found).levels}
     repeat, session = lines["repeat"], lines["session"]
@@ -274,12 +262,12 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> Non
     merged = [contact(8 + k, ridge_area_mm2=90.0, flags=("ridges_merge",)) for k in range(4)]
 
     def ridge_scatter(some: list[Any]) -> Any:
-        rows = model_contacts(STUDY, PADS, some).table
+        rows = modelled(*some).table
         found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "ridge_area")
         return scatter_record(found).model_dump_json()
 
     assert ridge_scatter(seen + merged) == ridge_scatter(seen)
-    areas_of_all = model_contacts(STUDY, PADS, seen + merged).table["ridge_area_mm2"].to_numpy()
+    areas_of_all = modelled(*seen, *merged).table["ridge_area_mm2"].to_numpy()
     assert np.count_nonzero(areas_of_all == 90) == 4
 
 
@@ -288,9 +276,7 @@ def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
     run_study(path, out)
     sheet = path.with_name("o.csv")
     sheet.write_text(sheet.read_text().replace("monday", "tuesday"))
-    seen: list[str | None] = []
-    run_study(path, out, on_progress=lambda now: seen.append(now.status))
-    assert "done" not in seen
+    assert run_watched(path)[1] == []
 
 
 # The exponent of the area over the frames of presses, whose errors are not independent
@@ -320,7 +306,7 @@ def pressed(seed: int, presses: int = 1, frames: int = 40) -> Rows:
             noise = (STATED / 2 * radius) ** 2 * np.ones((2, 2))
             name = {"observation": f"p{press}#{k}", "sequence": f"p{press}", "frame": k}
             seen.append((sequence, replace(measured, **name, covariance_mm2=noise, gross_area_mm2=math.nan)))
-    return model_contacts(STUDY, PADS, seen)
+    return modelled(*seen)
 
 
 def validity(rows: Rows) -> ValidityRecord:

@@ -13,13 +13,12 @@ import pytest
 from filelock import FileLock
 from PIL import Image
 from tests import command
-from tests.studies import contact, finger, write_study
+from tests.studies import contact, finger, run_watched, write_study
 from tests.study.small_study import PICTURES, copy
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.report import write_report
 from fingerpad.simulate import render_finger
-from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
@@ -37,15 +36,15 @@ def make(folder: Path, rows: int = 3, *, title: str = "T", load: float = 1.0) ->
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
     run_study(make(folder), folder / "out")
     return folder
 
 
 @pytest.fixture
-def study(finished: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(finished, tmp_path / "study"))
+def study(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "study"))
 
 
 def contents(out: Path) -> dict[str, bytes]:
@@ -164,34 +163,30 @@ def test_files_that_the_new_results_lack_are_removed_and_others_are_not(study: P
     assert (out / "notes.txt").read_text() == "mine"
 
 
-def changed(path: Path, how: str) -> None:
-    text = path.read_bytes()
-    if how == "a row lost":
-        path.write_bytes(b"\n".join(text.splitlines()[:-1]) + b"\n")
-    elif how == "of another run":
-        make(path.parent.parent / "other", load=2.0)
-        run_study(path.parent.parent / "other" / "study.toml", path.parent.parent / "other" / "out")
-        shutil.copy(path.parent.parent / "other" / "out" / path.name, path)
-    else:
-        path.unlink()
+def lose_a_row(path: Path, _: Path) -> None:
+    path.write_bytes(b"\n".join(path.read_bytes().splitlines()[:-1]) + b"\n")
 
 
-@pytest.mark.parametrize("how", ["a row lost", "of another run", "gone"])
-@pytest.mark.parametrize("name", TABLES[:1] + TABLES[3:])
-def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name: str, how: str) -> None:
-    changed(study / "out" / name, how)
-    for words in (
-        ("export", study / "out", study / "r.mat"),
-        ("compare", study / "out"),
-        ("status", study, "--out", study / "out"),
-        ("status", study, "--out", study / "out", "--json"),
-    ):
-        code, out, error = command.run(*words)
+def replace_by_that_of_another_run(path: Path, other: Path) -> None:
+    run_study(make(other, load=2.0), other / "out")
+    shutil.copy(other / "out" / path.name, path)
+
+
+@pytest.mark.parametrize(
+    "change", [lose_a_row, replace_by_that_of_another_run, lambda path, _: path.unlink()]
+)
+@pytest.mark.parametrize("name", ["results.csv", "summary.json"])
+def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name: str, change) -> None:
+    out, table = study / "out", study / "r.mat"
+    change(out / name, study / "other")
+    status = ("status", study, "--out", out)
+    for words in (("export", out, table), ("compare", out), status, (*status, "--json")):
+        code, said, error = command.run(*words)
         assert code in {2, 3}, words
-        assert f"{name}: is" in out + error, words
-    assert not (study / "r.mat").exists()
-    run_study(study / "study.toml", study / "out")
-    assert command.run("compare", study / "out")[0] == 0
+        assert f"{name}: is" in said + error, words
+    assert not table.exists()
+    run_study(study / "study.toml", out)
+    assert command.run("compare", out)[0] == 0
 
 
 @pytest.mark.parametrize("damage", [b"", b"x", b"\xff\xfe"])
@@ -224,16 +219,11 @@ def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
 
 
 @pytest.mark.usefixtures("small_pieces")
-def test_a_changed_picture_of_the_results_is_drawn_again(small_run: Path, tmp_path: Path) -> None:
-    manifest = copy(small_run, tmp_path / "study")
-    out = manifest.parent / "out"
+def test_a_changed_picture_of_the_results_is_drawn_again(finished: Path) -> None:
+    out = finished.parent / "out"
     good = (out / "overlays" / "o1.png").read_bytes()
     (out / "overlays" / "o1.png").write_bytes(good[:100])
-    reported: list[str] = []
-    run_study(
-        manifest, out, on_progress=lambda one: reported.append(one.item) if one.status == "done" else None
-    )
-    assert reported == ["o1"]
+    assert run_watched(finished)[1] == ["o1"]
     assert (out / "overlays" / "o1.png").read_bytes() == good
     assert len([name for name in result_files(out) if name.startswith("overlays/o")]) == PICTURES
     assert not os.path.lexists(out / ".drawn")
@@ -247,11 +237,14 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     for name, source in (("x/a.jpg", "palmar.jpg"), ("x_a.jpg", "distal.jpg")):
         shutil.copy(tmp_path / "study" / source, tmp_path / "study" / name)
     text = manifest.read_text()
-    text = text.replace('"palmar.jpg"', '"x/a.jpg"').replace('"distal.jpg"', '"x_a.jpg"')
-    text = text.replace('name = "g"', f'name = "{long}"').replace('name = "p"', f'name = "{long}"')
-    text = text.replace(
-        'name = "o1"\nfinger = "f"', f'name = "finger_{long[:20]}_palmar_1"\nfinger = "{long}"'
-    )
+    for old, new in {
+        '"palmar.jpg"': '"x/a.jpg"',
+        '"distal.jpg"': '"x_a.jpg"',
+        'name = "g"': f'name = "{long}"',
+        'name = "p"': f'name = "{long}"',
+        'name = "o1"\nfinger = "f"': f'name = "finger_{long[:20]}_palmar_1"\nfinger = "{long}"',
+    }.items():
+        text = text.replace(old, new)
     manifest.write_text(text)
     result = run_study(manifest, tmp_path / "out", write_report=write_report)
     assert result.failures == []
@@ -269,20 +262,14 @@ def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path
         Image.fromarray(render_finger("palmar", mm_per_px=0.1, seed=number).pixels).save(tmp_path / name)
     out = tmp_path / "out"
 
-    def run(*files: str) -> tuple[dict[str, str], list[str]]:
+    def run(first: str, last: str) -> tuple[dict[str, str], list[str]]:
         """Run the study of these palmar photographs; return each one's overlay, and what was measured."""
-        photographs = [
-            {"face": face, "file": file, "scale": {"mm_per_px": 0.1}, "synthetic": True}
-            for face, file in zip(
-                ("palmar", "distal", "palmar"), (files[0], "distal.jpg", files[1]), strict=True
-            )
-        ]
+        shown = {"scale": {"mm_per_px": 0.1}, "synthetic": True}
+        files = ("palmar", first), ("distal", "distal.jpg"), ("palmar", last)
+        photographs = [{"face": face, "file": file, **shown} for face, file in files]
         manifest = write_study(tmp_path, finger(photographs=photographs, synthetic=True))
-        reported: list[Progress] = []
-        result = run_study(manifest, out, on_progress=reported.append)
-        photographs = result.fingers["f"].photographs
-        overlays = {str(one.manifest.file): one.overlay for one in photographs}
-        return overlays, [one.item for one in reported if one.status == "done"]
+        result, measured = run_watched(manifest)
+        return {str(one.manifest.file): one.overlay for one in result.fingers["f"].photographs}, measured
 
     first, _ = run("a.png", "b.png")
     shown = {name: (out / overlay).read_bytes() for name, overlay in first.items()}
@@ -298,12 +285,11 @@ def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path
 def test_no_file_of_a_result_set_is_written_over_another(study: Path) -> None:
     out = study / "out"
     before = contents(out)
-    digests = {name: hashlib.sha256(content).hexdigest() for name, content in before.items()}
 
     def add_twice() -> None:
         with Store.writing(out / STORE_NAME) as store, new_result_set(store) as new:
-            for name in ("results.csv", "summary.json"):
-                new.add("a.csv", out / name, digests[name])
+            for name in TABLES[:2]:
+                new.add("a.csv", out / name, hashlib.sha256(before[name]).hexdigest())
 
     with pytest.raises(FingerpadError, match="results before it are kept"):
         add_twice()
