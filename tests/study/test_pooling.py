@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.claims import pooling
 from tests import studies
+from tests.study.measured import AXES, measured, pad
 
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -107,7 +108,6 @@ def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
         assert check.total[source] == pytest.approx(share, abs=0.02)
 
 
-AXES = np.array([7.9, 13.8, 11.8])
 STUDY = studies.study_of(studies.finger(std=0.5))
 OUTPUT = "radius_from_indentation"
 
@@ -115,21 +115,16 @@ OUTPUT = "radius_from_indentation"
 def finger(scale: str | None) -> FingerResult:
     """Return a finger whose photographs share a scale known to 4 %, besides 0.5 mm of each axis."""
     covariance = 0.25 * np.eye(3) + (0.04**2 * np.outer(AXES, AXES) if scale else 0.0)
-    return FingerResult(name="f", semi_axes=AXES, covariance=covariance, source="photographs", scale=scale)
+    return pad(covariance=covariance, source="photographs", scale=scale)
 
 
-def contact(number: int, scale: str | None = None, **more: Any) -> tuple[Observation, Measurement]:
-    name, axes = f"c{number}", np.array([7.0 + 0.2 * number, 5.0])
-    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=1.0, file="x.png", scale="s")
-    given: dict[str, Any] = {
-        "load_N": 1.0,
-        "semi_major_mm": axes[0],
-        "semi_minor_mm": axes[1],
-        "covariance_mm2": 0.01 * np.eye(2) + 0.04**2 * np.outer(axes, axes),
-        "scale": scale,
-        "relative_scale_std": 0.04,
-    }
-    return observation, Measurement(observation=name, **{**given, **more})
+def contact(
+    number: int, scale: str | None = None, axes: Any = None, **more: Any
+) -> tuple[Observation, Measurement]:
+    axes = np.array([7.0 + 0.2 * number, 5.0]) if axes is None else axes
+    covariance = 0.01 * np.eye(2) + 0.04**2 * np.outer(axes, axes)
+    given = {"covariance_mm2": covariance, "scale": scale, "relative_scale_std": 0.04}
+    return measured(f"c{number}", axes, **{**given, **more})
 
 
 def modelled(*seen: tuple[Observation, Measurement], scale: str | None = None) -> Rows:
@@ -314,11 +309,9 @@ def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
     loads, edge = np.array([0.25, 1.0, 4.0]), {"scale": "a", "edge_offset_mm_std": 0.1}
 
     def exponent(offset: float, **more: Any) -> tuple[float, float]:
-        axes = [(1.2 * size + offset, size + offset) for size in 4.0 * loads**0.3]
-        seen = [
-            contact(k, **more, load_N=load, semi_major_mm=major, semi_minor_mm=minor)
-            for k, (load, (major, minor)) in enumerate(zip(loads, axes, strict=True))
-        ]
+        sizes = 4.0 * loads**0.3
+        axes = np.transpose([1.2 * sizes + offset, sizes + offset])
+        seen = [contact(k, axes=axes[k], load=load, **more) for k, load in enumerate(loads)]
         return area_exponent(modelled(*seen).table)
 
     (plain, scatter), (moved, _) = exponent(0.0), exponent(0.1)

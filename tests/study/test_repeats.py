@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from benchmarks.claims.area_exponents import ERRORS, held, smooth
 from tests.studies import correct, finger, rows_by, rows_of, run_watched, study_of, summary_of, write_study
+from tests.study.measured import AXES, frame, measured, pad
 
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.study.manifest.models import Contact, ContactSequence, Observation
+from fingerpad.study.manifest.models import Contact, Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.pooling import Exponent, area_exponent, pool_contacts
@@ -26,9 +26,8 @@ from fingerpad.study.results.validity.checks import validity_of
 from fingerpad.study.results.validity.model_checks import MODULUS
 from fingerpad.uncertainty.repeats import ContactRepeatability
 
-AXES = np.array([7.9, 13.8, 11.8])
 STUDY = study_of(finger(), uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0})
-PADS = {"f": FingerResult(name="f", semi_axes=AXES, covariance=1e-18 * np.eye(3), source="given")}
+PADS = {"f": pad(1e-9)}
 KNOWN = ContactRepeatability(
     covariance=np.array([[0.02**2, 0.0], [0.0, 0.05**2]]), freedom=12, groups=6, count=18
 )
@@ -39,23 +38,16 @@ BOTH, NEITHER = {False: KNOWN, True: NONE}, {False: NONE, True: NONE}
 def contact(
     number: int, radius: float = 6.0, elongation: float = 0.3, *, load: float = 1.0, **more: Any
 ) -> tuple[Observation, Measurement]:
-    where = {key: more.pop(key) for key in ("session", "synthetic", "wedge_angle_deg") if key in more}
-    placed = {"wedge_angle_deg": 30, **where}
-    observation = Observation(name=f"c{number}", finger="f", load_N=load, file="x.png", scale="s", **placed)
     axes = radius * np.exp(np.array([0.5, -0.5]) * elongation)
-    measured = Measurement(
-        observation=observation.name,
-        load_N=load,
-        semi_major_mm=axes[0],
-        semi_minor_mm=axes[1],
-        covariance_mm2=1e-8 * np.eye(2),
-        gross_area_mm2=np.pi * axes.prod(),
-        gross_area_mm2_std=0.5,
-        gross_area_mm2_noise_std=0.3,
-        gross_area_mm2_edge_std=0.4,
-        scale="s",
-    )
-    return observation, replace(measured, **more)
+    given = {
+        "covariance_mm2": 1e-8 * np.eye(2),
+        "gross_area_mm2": np.pi * axes.prod(),
+        "gross_area_mm2_std": 0.5,
+        "gross_area_mm2_noise_std": 0.3,
+        "gross_area_mm2_edge_std": 0.4,
+        "scale": "s",
+    }
+    return measured(f"c{number}", axes, load, **{**given, **more})
 
 
 def modelled(*seen: tuple[Contact, Measurement], known: Any = None) -> Rows:
@@ -114,16 +106,10 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path)
 
 
 def test_frames_of_a_sequence_are_no_repeats() -> None:
-    sequence = ContactSequence(
-        name="p", finger="f", wedge_angle_deg=30, file="p.tif", force="f.csv", scale={"ppi": 500}
-    )
-    frames = [
-        (sequence, replace(measured, observation=f"p#{k}", sequence="p", frame=k))
-        for k, (_, measured) in enumerate(repeats(5))
-    ]
+    covariance = {"covariance_mm2": 1e-8 * np.eye(2)}
+    frames = [frame(k, (6.97 + 0.1 * k, 5.16), **covariance) for k in range(5)]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
-    rows = modelled(*frames, known=BOTH)
-    assert pool_by_load(rows, BOTH) == []
+    assert pool_by_load(modelled(*frames, known=BOTH), BOTH) == []
 
 
 def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
@@ -296,16 +282,12 @@ def pressed(seed: int, presses: int = 1, frames: int = 40) -> Rows:
     """Return the rows of presses whose areas have a smooth error of 2 %, as they state."""
     rng, seen = np.random.default_rng(seed), []
     for press in range(presses):
-        sequence = ContactSequence(
-            name=f"p{press}", finger="f", wedge_angle_deg=30, file="p.tif", force="f.csv", scale={"ppi": 500}
-        )
         error = 0.5 * STATED * smooth(0.3, rng, frames)
         for k, load in enumerate(np.linspace(0.1, 2, frames)):
             radius = 5 * load ** (1 / 3) * math.exp(error[k])
-            _, measured = contact(k, radius, load=load)
+            axes = radius * np.exp([0.15, -0.15])
             noise = (STATED / 2 * radius) ** 2 * np.ones((2, 2))
-            name = {"observation": f"p{press}#{k}", "sequence": f"p{press}", "frame": k}
-            seen.append((sequence, replace(measured, **name, covariance_mm2=noise, gross_area_mm2=math.nan)))
+            seen.append(frame(k, axes, load, of=f"p{press}", covariance_mm2=noise))
     return modelled(*seen)
 
 

@@ -25,7 +25,7 @@ from tests.studies import (
 )
 
 from fingerpad.image import ImageEllipse, interpolated_ellipse
-from fingerpad.report import write_report
+from fingerpad.report import plots, write_report
 from fingerpad.report.text import doubtful_results, fingers_without_results
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.apply import frame_corrections
@@ -285,10 +285,16 @@ def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence
     assert "cut_by_mask" in frame["flags"]
     assert not any(row["pooled"] for row in records(result.rows))
     assert frame["gross_area_mm2"] == pytest.approx(press.gross_area[12] / 2, rel=0.05)
+    text = page_of(result, study_dir / "out")
+    assert re.search(r"In \d\d of its frames the contact is cut by the mask", text)
 
 
-def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouched: Path) -> None:
-    text = page_of(plain, untouched / "out")
+def test_the_report_shows_a_few_frames_and_lists_none(
+    plain: StudyResult, study_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plots, "_MOST_FRAMES", 10)
+    text = page_of(plain, study_dir / "out")
+    assert re.search(r"10 of 2\d frames are drawn", text)
     assert "<td>p#" not in text
     assert text.count("p#") < 8  # drawn and looked at closely, not listed
     assert text.count("data:image/jpeg;base64,") == 3
