@@ -45,12 +45,7 @@ LOAD = np.array([0.2, 0.5, 1.0, 2.0])
 VALUE = np.array([1.2, 1.3, 1.25, 1.4])
 WEDGE = np.radians(30)
 
-RESULTS = [
-    plot_corrected_radius,
-    plot_area_against_load,
-    plot_aspect_ratio,
-    plot_contact_compliance,
-]
+RESULTS = [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio, plot_contact_compliance]
 
 
 @pytest.fixture
@@ -83,7 +78,7 @@ def bars(axes) -> list[np.ndarray]:
     ],
 )
 @pytest.mark.parametrize("synthetic", [False, [False, True, False, True]])
-def test_error_bars_are_one_std_and_labels_have_units(axes, plot, keyword, x_unit, y_unit, synthetic) -> None:
+def test_error_bars_are_one_std_and_labels_have_units(axes, plot, keyword, x_unit, y_unit, synthetic):
     std = np.array([0.1, 0.2, 0.3, 0.4])
     assert plot(axes, LOAD, VALUE, synthetic=synthetic, **{keyword: std}) is axes
     low, high = np.array(sorted(bars(axes), key=np.ptp)).T
@@ -94,7 +89,7 @@ def test_error_bars_are_one_std_and_labels_have_units(axes, plot, keyword, x_uni
 
 
 @pytest.mark.parametrize("plot", RESULTS)
-def test_synthetic_points_hollow_and_labelled(axes, plot) -> None:
+def test_synthetic_points_hollow_and_labelled(axes, plot):
     plot(axes, LOAD, VALUE, synthetic=[False, True, False, False])
     assert is_marked_synthetic(axes)
     real, made = (container[0] for container in axes.containers)
@@ -105,7 +100,7 @@ def test_synthetic_points_hollow_and_labelled(axes, plot) -> None:
 
 @pytest.mark.parametrize("plot", [plot_wedge, plot_wedge_in_pad_axes, plot_pad_with_contact])
 @pytest.mark.parametrize("wedge_deg", [0, 30, 90])
-def test_scales_are_equal_and_nothing_is_cut_off(axes, plot, wedge_deg) -> None:
+def test_scales_are_equal_and_nothing_is_cut_off(axes, plot, wedge_deg):
     shown = {"measured": Ellipse(14.0, 7.0)} if plot is plot_pad_with_contact else {}
     plot(axes, PAD, wedge_angle=np.radians(wedge_deg), synthetic=True, **shown)
     axes.figure.canvas.draw()
@@ -126,7 +121,7 @@ def markers(axes, marker="o") -> list[np.ndarray]:
     return [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == marker]
 
 
-def test_wedge_in_pad_axes(axes) -> None:
+def test_wedge_in_pad_axes(axes):
     plot_wedge_in_pad_axes(axes, PAD, wedge_angle=WEDGE)
     point = Placement(PAD, wedge_angle=WEDGE).point[:2]
     assert_allclose(markers(axes), [point])
@@ -141,7 +136,7 @@ def test_wedge_in_pad_axes(axes) -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x, palmar (mm)", "y, distal (mm)")
 
 
-def test_finger_touches_platen_and_wedge(axes) -> None:
+def test_finger_touches_platen_and_wedge(axes):
     plot_wedge(axes, PAD, wedge_angle=WEDGE)
     finger, wedge, platen = (patch.get_path().vertices for patch in axes.patches)
     level = platen[:, 1].min()
@@ -153,7 +148,7 @@ def test_finger_touches_platen_and_wedge(axes) -> None:
     assert_allclose(height.min(), 0, atol=1e-5)
 
 
-def test_pad_point_colours(axes) -> None:
+def test_pad_point_colours(axes):
     plot_pad(axes, PAD)
     view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     spots = view.project(PAD.point(np.radians([0, 30, 45, 60, 90]), np.pi / 2))
@@ -166,13 +161,13 @@ def test_pad_point_colours(axes) -> None:
     require_whole_lines(axes)
 
 
-def test_view_right_handed_and_upright() -> None:
+def test_view_right_handed_and_upright():
     view = Camera.of(towards=(1, 2, 3), up=(0, 1, 0))
     assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-15)
     assert view.up[1] > 0.5
 
 
-def test_contact_ellipse_size_and_direction(axes) -> None:
+def test_contact_ellipse_size_and_direction(axes):
     plot_pad_with_contact(
         axes,
         PAD,
@@ -191,7 +186,7 @@ def test_contact_ellipse_size_and_direction(axes) -> None:
     assert "R along 13.0 mm" in texts(axes)
 
 
-def test_rolled_finger_axis_upright(axes) -> None:
+def test_rolled_finger_axis_upright(axes):
     roll = np.radians(25)
     plot_pad_with_contact(axes, PAD, wedge_angle=WEDGE, roll_angle=roll, predicted=Ellipse(6.0, 3.0))
     placement = Placement(PAD, wedge_angle=WEDGE, roll_angle=roll)
@@ -207,7 +202,7 @@ def test_rolled_finger_axis_upright(axes) -> None:
     assert "roll φ = 25°" in texts(axes)
 
 
-def test_corrected_radius_lines(axes) -> None:
+def test_corrected_radius_lines(axes):
     wedge = dzidek2017().wedges[30]
     plot_corrected_radius(axes, [], [], measured_radius=20.5, mean_curvature_radius=18.7, printed=wedge)
     styles = {
@@ -220,7 +215,7 @@ def test_corrected_radius_lines(axes) -> None:
     assert "printed in Dzidek et al. (2017)" in texts(axes)
 
 
-def test_corrected_radius_has_inner_bars_and_a_band(axes) -> None:
+def test_corrected_radius_has_inner_bars_and_a_band(axes):
     plot_corrected_radius(
         axes,
         LOAD,
@@ -239,7 +234,7 @@ def test_corrected_radius_has_inner_bars_and_a_band(axes) -> None:
     )
 
 
-def test_power_laws_through_mean(axes) -> None:
+def test_power_laws_through_mean(axes):
     area = 80 * LOAD**0.4
     plot_area_against_load(axes, LOAD, area, exponent=0.4, exponent_std=0.03)
     fit, hertz = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) == 50)
@@ -254,13 +249,13 @@ def test_power_laws_through_mean(axes) -> None:
     assert_allclose(np.log(end.max() / end.min()), 2 * 0.03 * lever, rtol=1e-4)
 
 
-def test_nonpositive_area_left_out(axes) -> None:
+def test_nonpositive_area_left_out(axes):
     plot_area_against_load(axes, [0, 1, 2], [0, 10, 20], area_std=[1, 2, 3])
     assert_allclose(axes.containers[0][0].get_xdata(), [1, 2])
     assert_allclose(sorted(np.ptp(bars(axes), axis=1)), [4, 6])
 
 
-def test_contact_shapes_and_directions(axes) -> None:
+def test_contact_shapes_and_directions(axes):
     plot_aspect_ratio(axes, [1, 2], [1.5, 2.0], long_axis_angle=[0, np.pi / 2], predicted_aspect_ratio=1.07)
     real, predicted = axes.collections[-2:]
     assert_allclose(real.get_widths() / real.get_heights(), [1.5, 2.0])
@@ -269,7 +264,7 @@ def test_contact_shapes_and_directions(axes) -> None:
     assert "Hertz\n1.07" in texts(axes)
 
 
-def test_loop_phases_and_fit(axes) -> None:
+def test_loop_phases_and_fit(axes):
     phase = np.array(["baseline", "loading", "hold", "unloading"])
     fit = (np.array([0.0, 1.4]), np.array([0.0, 2.0]))
     plot_load_indentation(axes, VALUE, LOAD, phase=phase, fits={"Hertz, E* = 136 kPa": fit}, synthetic=True)
@@ -280,7 +275,7 @@ def test_loop_phases_and_fit(axes) -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("indentation ξ (mm)", "normal load W (N)")
 
 
-def test_secant_modulus_unit_and_fitted_points(axes) -> None:
+def test_secant_modulus_unit_and_fitted_points(axes):
     modulus = np.array([5.0, 0.06, 0.08, 0.10])
     fitted = [False, True, True, True]
     plot_secant_modulus(axes, LOAD, modulus, against="load", fitted_points=fitted, fit=(LOAD, modulus))
@@ -292,7 +287,7 @@ def test_secant_modulus_unit_and_fitted_points(axes) -> None:
     assert axes.get_xlabel() == "normal load W (N)"
 
 
-def test_relaxation_marks_ramp(axes) -> None:
+def test_relaxation_marks_ramp(axes):
     time = np.array([-1.0, 0.1, 1.0, 10.0])
     plot_relaxation(axes, time, VALUE, ramp_time=0.5, time_constants=[2.0])
     assert len(axes.lines[0].get_xdata()) == 3
@@ -300,13 +295,13 @@ def test_relaxation_marks_ramp(axes) -> None:
     assert any(np.allclose(line.get_xdata(), 2.0) for line in axes.lines if len(line.get_xdata()))
 
 
-def test_initial_modulus_against_velocity(axes) -> None:
+def test_initial_modulus_against_velocity(axes):
     plot_initial_modulus(axes, [0.2, 2.0], [0.04, 0.06], initial_modulus_std=[0.002, 0.003])
     assert sorted(map(tuple, bars(axes))) == [(38.0, 42.0), (57.0, 63.0)]
     assert axes.get_xscale() == "log"
 
 
-def test_compliance_slope_and_band(axes) -> None:
+def test_compliance_slope_and_band(axes):
     depth = np.array([0.0, 1.0, 2.0])
     plot_contact_compliance(axes, depth, 13.4 * np.pi * depth, loading_radius=13.4, loading_radius_std=0.5)
     (line,) = (line for line in axes.lines if line.get_linestyle() == "-" and len(line.get_xdata()) == 2)
@@ -329,14 +324,14 @@ PRESS = {
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_press_of_one_frame_or_none(count: int) -> None:
+def test_press_of_one_frame_or_none(count):
     figure, panels = new_panels(rows=2, columns=2)
     plot_press(panels, **{name: values[:count] for name, values in PRESS.items()})
     assert "<svg" in svg(figure, "press")
 
 
 @pytest.mark.parametrize("synthetic", [False, True])
-def test_press_marks_unloading(synthetic: bool) -> None:
+def test_press_marks_unloading(synthetic):
     panels = plot_press(new_figure(rows=2, columns=2)[1], **PRESS, synthetic=synthetic)
     for panel, x, y in zip(panels, 2 * ["time", "load"], 2 * ["area"] + 2 * ["semi_major"], strict=True):
         lines = {one.get_label(): one[0] for one in panel.containers}
@@ -351,7 +346,7 @@ def test_press_marks_unloading(synthetic: bool) -> None:
 
 
 @pytest.mark.parametrize("synthetic", [False, True])
-def test_area_against_indentation_marks_phases(axes, synthetic: bool) -> None:
+def test_area_against_indentation_marks_phases(axes, synthetic):
     indentation = [0.2, 1.1, 1.1, 0.7, 0.3]
     plot_area_against_indentation(axes, indentation, PRESS["area"], phase=PRESS["phase"], synthetic=synthetic)
     lines = {one.get_label(): one[0] for one in axes.containers}
@@ -361,7 +356,7 @@ def test_area_against_indentation_marks_phases(axes, synthetic: bool) -> None:
     assert is_marked_synthetic(axes) == synthetic
 
 
-def test_layer_effect_marks_what_is_known(axes) -> None:
+def test_layer_effect_marks_what_is_known(axes):
     plot_layer_effect(axes, [2, 4, 8], modulus_ratio=[np.nan, 0.5, 0.74], radius_ratio=[np.nan, 1.9, 1.5])
     modulus, radius = (line for line in axes.lines if line.get_label().startswith(("E from", "$R")))
     assert_allclose(modulus.get_ydata()[1:], [0.5, 0.74])
@@ -371,7 +366,7 @@ def test_layer_effect_marks_what_is_known(axes) -> None:
 
 
 @pytest.mark.parametrize("fingers", [2, 12])
-def test_moduli_of_two_kinds_differ_in_mark_and_in_words(fingers: int) -> None:
+def test_moduli_of_two_kinds_differ_in_mark_and_in_words(fingers):
     kinds = ("by Hertz theory", "o"), ("on the layer over bone", "s")
     lines = [
         Series(name=f"f{k}", colour="red", x=[1, 2], value=[60, 70], std=[2, 3], kind=kind, marker=marker)
@@ -387,7 +382,7 @@ def test_moduli_of_two_kinds_differ_in_mark_and_in_words(fingers: int) -> None:
     assert "on the layer over bone" in svg(figure, "moduli")
 
 
-def test_agreement_shows_bias_and_limits(axes) -> None:
+def test_agreement_shows_bias_and_limits(axes):
     first, second = [100, 120, 140, 90], [101, 119, 143, 91]
     found = agreement(first, second)
     plot_agreement(axes, first, second, found, quantity="gross area (mm²)")
@@ -401,7 +396,7 @@ def test_agreement_shows_bias_and_limits(axes) -> None:
 PLACE = fp.Placement(fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
 
 
-def test_law_targets_and_points() -> None:
+def test_law_targets_and_points():
     law = simulator_law(PLACE, fp.Tissue(0.05, thickness=8.0), stds={"youngs_modulus": 0.005})
     figure, (panel,) = new_panels()
     plot_simulated_load(
@@ -419,7 +414,7 @@ def test_law_targets_and_points() -> None:
 
 
 @pytest.mark.parametrize("name", ["Newton kh", "Drake", "MuJoCo"])
-def test_simulated_loads_are_as_far_off_as_their_targets_say(name) -> None:
+def test_simulated_loads_are_as_far_off_as_their_targets_say(name):
     law = simulator_law(PLACE, fp.Tissue(0.05, thickness=8.0))
     target = {"Newton kh": law.newton_kh(), "Drake": law.drake_modulus(), "MuJoCo": law.mujoco(0.1)}[name]
     error = np.abs(law.simulated_loads()[name] / law.load - 1).max()

@@ -47,7 +47,7 @@ def data_of(figure: Figure) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("width_mm", [89.0, 190.0])
-def test_width_as_asked(figure, width_mm) -> None:
+def test_width_as_asked(figure, width_mm):
     settings = FigureSettings(width_mm=width_mm, height_mm=60.0, dpi=150)
     with Image.open(io.BytesIO(figure_file(figure, "png", settings))) as picture:
         assert picture.size == (round(width_mm / 25.4 * 150), round(60 / 25.4 * 150))
@@ -58,7 +58,7 @@ def test_width_as_asked(figure, width_mm) -> None:
     assert_allclose(float(root.get("width").removesuffix("pt")) / 72 * 25.4, width_mm, atol=0.01)
 
 
-def test_csv_has_the_plotted_data(figure) -> None:
+def test_csv_has_the_plotted_data(figure):
     rows = data_of(figure)
     points = [row for row in rows if row["series"] == "Rgcorr"]
     for name, expected in (("x", LOAD), ("y", VALUE), ("y_std", STD)):
@@ -74,7 +74,7 @@ def test_csv_has_the_plotted_data(figure) -> None:
     assert all(float(row["y_low"]) <= float(row["y_high"]) for row in bands)
 
 
-def test_axes_font_and_colours(figure) -> None:
+def test_axes_font_and_colours(figure):
     settings = FigureSettings(
         x_range=(0.1, 3), y_range=(None, 20), x_scale="log", font_pt=10, colours=("black", "#aa0000")
     )
@@ -94,14 +94,14 @@ def test_axes_font_and_colours(figure) -> None:
     assert (axes.get_xscale(), axes.get_xlim()[0]) == ("linear", 0)
 
 
-def test_one_end_beyond_the_data_is_refused(figure) -> None:
+def test_one_end_beyond_the_data_is_refused(figure):
     with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
         draw_figure(with_settings(figure, FigureSettings(x_range=(7, None))))
     (axes,) = draw_figure(with_settings(figure, FigureSettings(x_range=(7, 9)))).axes
     assert axes.get_xlim() == (7, 9)
 
 
-def test_same_bytes_each_time(figure) -> None:
+def test_same_bytes_each_time(figure):
     for kind in ("svg", "pdf", "png"):
         settings = FigureSettings(width_mm=60, dpi=60)
         assert figure_file(figure, kind, settings) == figure_file(figure, kind, settings)
@@ -121,12 +121,12 @@ def test_same_bytes_each_time(figure) -> None:
         ({"colours": ("blue", "no colour")}, "colours: .*'no colour'"),
     ],
 )
-def test_bad_values_refused_in_words(settings, words) -> None:
+def test_bad_values_refused_in_words(settings, words):
     with pytest.raises(FigureError, match=words):
         FigureSettings(**settings)
 
 
-def test_panels_of_several_quantities_keep_their_axes() -> None:
+def test_panels_of_several_quantities_keep_their_axes():
     made, panels = new_panels(rows=2, columns=2)
     columns = dict.fromkeys(("time", "load", "area", "semi_major", "semi_minor"), LOAD)
     plot_press(panels, **columns, phase=["loading"] * 4)
@@ -135,7 +135,7 @@ def test_panels_of_several_quantities_keep_their_axes() -> None:
     assert len(draw_figure(with_settings(made, FigureSettings(width_mm=183))).axes) == 4
 
 
-def test_from_the_command_line(figure, tmp_path) -> None:
+def test_from_the_command_line(figure, tmp_path):
     data = tmp_path / "radius.json"
     data.write_text(figure.to_json(), encoding="utf-8")
 
@@ -181,7 +181,7 @@ LINE = {"x": [0, 1], "y": [0, 1]}
         ("line", LINE, {"columns": "2"}),
     ],
 )
-def test_a_file_of_a_figure_can_only_draw(kind, options, panel) -> None:
+def test_a_file_of_a_figure_can_only_draw(kind, options, panel):
     marks = {"marks": [[kind, options]], "x": {}, "y": {}} | panel
     made = {"width_mm": 85, "height_mm": 64, "rows": 1, "columns": 1, "panels": [marks]}
     with pytest.raises(ValueError, match=r"figure|takes no|could not|broadcast"):
@@ -189,7 +189,7 @@ def test_a_file_of_a_figure_can_only_draw(kind, options, panel) -> None:
 
 
 @pytest.mark.parametrize("plot", [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio])
-def test_a_contact_left_out_is_faded_and_named_so_in_the_data(plot) -> None:
+def test_a_contact_left_out_is_faded_and_named_so_in_the_data(plot):
     made, (panel,) = new_panels()
     plot(panel, LOAD, VALUE, left_out=[False, True, False, False], synthetic=[0, 0, 0, 1])
     faded = [mark for mark in panel.marks if isinstance(mark, Points) and mark.alpha < 1]

@@ -28,7 +28,7 @@ def texts(axes) -> list[str]:
     return [text.get_text() for text in axes.texts]
 
 
-def test_pressure_is_in_kpa() -> None:
+def test_pressure_is_in_kpa():
     axes = new_figure()[1][0]
     plot_contact_pressure(
         axes, layer_field().section(points=101, levels=2), hertz=hertz_field().section(levels=2)
@@ -40,7 +40,7 @@ def test_pressure_is_in_kpa() -> None:
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["whole pad", "Hertz"]
 
 
-def test_shear_is_in_kpa_and_its_highest_marked() -> None:
+def test_shear_is_in_kpa_and_its_highest_marked():
     axes = new_figure()[1][0]
     section = hertz_field().section(points=41, levels=31)
     shear, depth = hertz_field().highest_shear_on_axis()
@@ -53,7 +53,7 @@ def test_shear_is_in_kpa_and_its_highest_marked() -> None:
     assert axes.get_ylim()[0] > axes.get_ylim()[1] == 0  # depth grows downwards
 
 
-def test_bone_lies_under_a_layer_alone() -> None:
+def test_bone_lies_under_a_layer_alone():
     axes, other = new_figure(columns=2)[1]
     plot_section(axes, layer_field().section(points=21, levels=9))
     (bone,) = axes.patches
@@ -64,7 +64,7 @@ def test_bone_lies_under_a_layer_alone() -> None:
     assert not other.patches
 
 
-def test_receptors_are_named_in_order_and_apart() -> None:
+def test_receptors_are_named_in_order_and_apart():
     axes = new_figure()[1][0]
     plot_section(axes, layer_field().section(points=21, levels=9))
     mark_receptors(axes, RECEPTORS, spacing=1.5)
@@ -77,7 +77,7 @@ def test_receptors_are_named_in_order_and_apart() -> None:
 
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
-def test_figure_has_equal_scales(width: float) -> None:
+def test_figure_has_equal_scales(width):
     figure = section_figure(layer_field(), hertz=hertz_field(), receptors=RECEPTORS, width_mm=width)
     _, lower, bar = figure.axes
     assert bar.get_xlabel() == "maximum shear stress (kPa)"

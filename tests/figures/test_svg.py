@@ -115,7 +115,7 @@ def markers(root: ElementTree.Element) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", PLOTS)
-def test_limits_are_those_of_matplotlib(name) -> None:
+def test_limits_are_those_of_matplotlib(name):
     _, (axes,) = new_figure()
     PLOTS[name](axes)
     _, root = drawn(PLOTS[name])
@@ -135,7 +135,7 @@ def test_limits_are_those_of_matplotlib(name) -> None:
 
 
 @pytest.mark.parametrize("name", ["radius", "area", "compliance", "load"])
-def test_points_stand_where_the_ticks_say(name) -> None:
+def test_points_stand_where_the_ticks_say(name):
     _, root = drawn(PLOTS[name])
     x, y = (LOAD, VALUE) if name != "compliance" else (np.pi * LOAD, VALUE)
     scale = "log" if name == "area" else "linear"
@@ -145,7 +145,7 @@ def test_points_stand_where_the_ticks_say(name) -> None:
 
 
 @pytest.mark.parametrize("name", PLOTS)
-def test_text_stays_inside(name) -> None:
+def test_text_stays_inside(name):
     _, root = drawn(PLOTS[name])
     _, _, width, height = map(float, root.get("viewBox").split())
     for text, x, y, element in texts(root):
@@ -159,7 +159,7 @@ def test_text_stays_inside(name) -> None:
         assert 0 <= y - 0.7 * size <= y <= height, text
 
 
-def test_pad_has_equal_scales() -> None:
+def test_pad_has_equal_scales():
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     _, root = drawn(
         lambda axes: plot_pad_with_contact(axes, pad, wedge_angle=0.0, measured=Ellipse(8.0, 4.0))
@@ -168,7 +168,7 @@ def test_pad_has_equal_scales() -> None:
     assert_allclose(float(outline.get("height")) / float(outline.get("width")), 13.8 / 11.8, rtol=1e-3)
 
 
-def test_formulas_become_text() -> None:
+def test_formulas_become_text():
     found = runs(r"fit, $A \propto W^{0.60 ± 0.02}$ and $R_\mathrm{g}^\mathrm{corr}$")
     assert [(run.text, run.script, run.slanted) for run in found] == [
         ("fit, ", 0, False), ("A", 0, True), (" ∝ ", 0, False), ("W", 0, True),
@@ -177,7 +177,7 @@ def test_formulas_become_text() -> None:
     ]  # fmt: skip
 
 
-def test_data_survive_the_file_and_nothing_changes_from_one_writing_to_the_next(tmp_path) -> None:
+def test_data_survive_the_file_and_nothing_changes_from_one_writing_to_the_next(tmp_path):
     figure, _ = drawn(PLOTS["radius"])
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
@@ -190,7 +190,7 @@ def test_data_survive_the_file_and_nothing_changes_from_one_writing_to_the_next(
 
 @pytest.mark.parametrize("values", [[], [np.nan, np.nan], [np.nan, 1.0]])
 @pytest.mark.parametrize("plot", [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio])
-def test_missing_values(plot, values) -> None:
+def test_missing_values(plot, values):
     _, root = drawn(lambda axes: plot(axes, values, values, synthetic=True))
     assert "nan" not in ElementTree.tostring(root, encoding="unicode")
     points = [path for path in root.iter(f"{SVG}path") if path.get("d").count("z") == 1]
@@ -204,7 +204,7 @@ def matplotlib_svg(name: str) -> str:
 
 
 @pytest.mark.parametrize("write", [matplotlib_svg, lambda name: svg(drawn(PLOTS["radius"])[0], name)])
-def test_ids_are_those_of_one_figure_and_found(write) -> None:
+def test_ids_are_those_of_one_figure_and_found(write):
     drawings = [write("a"), write("b")]
     ids = [re.findall(r'\bid="([^"]+)"', one) for one in drawings]
     assert set(ids[0]).isdisjoint(ids[1])
@@ -214,7 +214,7 @@ def test_ids_are_those_of_one_figure_and_found(write) -> None:
         assert not re.search(r"<style[^>]*>\s*\*", one)  # a bare selector would restyle the whole page
 
 
-def test_a_full_disk_is_named_with_the_way_out(tmp_path) -> None:
+def test_a_full_disk_is_named_with_the_way_out(tmp_path):
     (tmp_path / "drawn.svg").symlink_to("/dev/full")
     figure, _ = new_panels()
     with pytest.raises(FingerpadError, match=r"drawn: cannot be written \(No space left .* make room"):

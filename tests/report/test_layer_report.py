@@ -12,7 +12,7 @@ from fingerpad.study.results.study_result import StudyResult
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str]:
+def report(tmp_path_factory) -> tuple[StudyResult, str]:
     folder = tmp_path_factory.mktemp("layer")
     of = {"finger": "thick"}
     result = run(
@@ -45,7 +45,7 @@ QUANTITIES = {
 }
 
 
-def test_both_theories_side_by_side(report) -> None:
+def test_both_theories_side_by_side(report):
     result, text = report
     row = rows_by(result)["b"]
     for quantity, names in QUANTITIES.items():
@@ -54,21 +54,21 @@ def test_both_theories_side_by_side(report) -> None:
         assert found[4].startswith("thickness ")
 
 
-def test_the_mean_and_the_measured_radius(report) -> None:
+def test_the_mean_and_the_measured_radius(report):
     _, text = report
     assert "on 8.0 ± 1.5 mm" in text
     assert cells(text, "Young's modulus E from load and area (kPa)", "mean of 2 contacts")
     assert "19.70 ± 0.40" in cells(text, "Rg measured (mm)", "loading data")
 
 
-def test_a_contact_out_of_range_is_named(report) -> None:
+def test_a_contact_out_of_range_is_named(report):
     _, text = report
     assert "wide is out of the range of the laws: the contact is wider than 0.6 of the pad" in text
     assert cells(text, "Young's modulus E from load and area (kPa)", "wide, 2 N")[3] == "–"
     assert not re.search(r"\bnan\b", re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL), re.IGNORECASE)
 
 
-def test_one_section_and_no_conditional_figure(report) -> None:
+def test_one_section_and_no_conditional_figure(report):
     result, text = report
     captions = re.findall("<figcaption>(.*?)</figcaption>", text, flags=re.DOTALL)
     assert sum(caption.startswith("Section along the finger under b") for caption in captions) == 1

@@ -24,7 +24,7 @@ def finger_pages(items: list[str]) -> list[str]:
 
 
 @pytest.fixture(autouse=True)
-def few_groups(monkeypatch: pytest.MonkeyPatch) -> None:
+def few_groups(monkeypatch) -> None:
     monkeypatch.setattr(write, "_MOST_GROUPS", 3)
 
 
@@ -73,7 +73,7 @@ def pages(out: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def drawn(tmp_path_factory) -> Path:
     """Return a folder with the study and its results."""
     folder = tmp_path_factory.mktemp("drawn") / "now"
     folder.mkdir()
@@ -85,14 +85,14 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def finished(drawn: Path) -> Iterator[Path]:
+def finished(drawn) -> Iterator[Path]:
     """Return the same folder, as elsewhere all would be drawn again; a test may change it."""
     yield drawn
     shutil.rmtree(drawn)
     shutil.copytree(drawn.with_name("kept"), drawn)
 
 
-def test_one_page_per_finger_and_index(drawn: Path) -> None:
+def test_one_page_per_finger_and_index(drawn):
     out = drawn / "out"
     over = (out / "report.html").read_text()
     assert pages(out).keys() == set(FINGERS)
@@ -109,7 +109,7 @@ def test_one_page_per_finger_and_index(drawn: Path) -> None:
     assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS) + 1  # and the curve
 
 
-def test_only_changed_pages_redrawn(finished: Path) -> None:
+def test_only_changed_pages_redrawn(finished):
     out = finished / "out"
     before = pages(out)
     items: list[str] = []
@@ -123,7 +123,7 @@ def test_only_changed_pages_redrawn(finished: Path) -> None:
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])
-def test_page_with_lost_file_redrawn(finished: Path, lost: str) -> None:
+def test_page_with_lost_file_redrawn(finished, lost):
     out = finished / "out"
     (out / lost).unlink()
     items: list[str] = []
@@ -132,7 +132,7 @@ def test_page_with_lost_file_redrawn(finished: Path, lost: str) -> None:
     assert (out / lost).is_file()
 
 
-def test_pages_of_removed_fingers_deleted(finished: Path) -> None:
+def test_pages_of_removed_fingers_deleted(finished):
     out = finished / "out"
     run(finished, fingers=("left",))
     assert not (out / "report").exists()
@@ -146,7 +146,7 @@ def without_time(file: Path) -> bytes:
 
 
 @pytest.mark.nightly
-def test_two_processes_equal_one(drawn: Path, tmp_path: Path) -> None:
+def test_two_processes_equal_one(drawn, tmp_path):
     one, two = drawn / "out", tmp_path / "two"
     run_study(drawn / "study" / "study.toml", two, workers=2, write_report=write_report)
     files = result_files(one)
@@ -157,7 +157,7 @@ def test_two_processes_equal_one(drawn: Path, tmp_path: Path) -> None:
     assert any("curve" in file for file in files)
 
 
-def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path: Path) -> None:
+def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path):
     out = tmp_path / "out"
     run(tmp_path, fingers=("left", "right"))
     before = {name: (out / name).read_bytes() for name in result_files(out)}
@@ -177,7 +177,7 @@ def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path: Path) -> Non
     assert pages(out).keys() == set(FINGERS)
 
 
-def test_unwritable_folder(finished: Path) -> None:
+def test_unwritable_folder(finished):
     shutil.rmtree(finished / "out" / "report")
     (finished / "out" / "report").write_text("in the way")
     with pytest.raises(FingerpadError, match="report"):

@@ -71,14 +71,14 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str, Path]:
+def demo(run_demo, tmp_path_factory) -> tuple[StudyResult, str, Path]:
     out = run_demo / "results"
     stored = shutil.copytree(out, tmp_path_factory.mktemp("report") / "results")
     result = run_study(EXAMPLE / "study.toml", stored)
     return result, (out / "report.html").read_text(encoding="utf-8"), out
 
 
-def test_self_contained(demo) -> None:
+def test_self_contained(demo):
     _, text, _ = demo
     page = Page(text)
     assert page.open == []
@@ -89,7 +89,7 @@ def test_self_contained(demo) -> None:
     assert not re.search(r"url\((?!#)", text)
 
 
-def test_all_observations_and_overlays_shown(demo) -> None:
+def test_all_observations_and_overlays_shown(demo):
     result, text, out = demo
     for row in records(result.rows):
         assert (row["observation"] in text) == (row["frame"] is None)
@@ -105,7 +105,7 @@ def test_all_observations_and_overlays_shown(demo) -> None:
     assert text.count("<figcaption>") == len(figures) // 2 + text.count("data:image/jpeg")
 
 
-def test_synthetic_is_labelled(demo) -> None:
+def test_synthetic_is_labelled(demo):
     result, text, _ = demo
     tag = '<span class="synthetic">synthetic</span>'
     assert re.search(rf"<h3>synthetic_press_30deg{tag}</h3>", text)
@@ -128,7 +128,7 @@ def words(text: str) -> int:
     return sum(bool(re.search(r"\w", word)) for word in text.split())
 
 
-def test_the_answers_come_first_and_in_few_words(demo) -> None:
+def test_the_answers_come_first_and_in_few_words(demo):
     result, text, _ = demo
     assert "<details>" not in text[: text.index('<details class="fold">')]
     page = unfolded(text)
@@ -151,7 +151,7 @@ def test_the_answers_come_first_and_in_few_words(demo) -> None:
         assert f"{two_digits(check.interval_difference)} mm</span>" in text
 
 
-def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path: Path) -> None:
+def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path):
     page = re.sub(r"\s+", " ", unfolded(demo[1]))
     assert "To measure better State the thickness of the tissue over bone of left_index_direct" in page
     assert "Measure the wedge angle better: 97 % of the variance of the corrected radius" in page
@@ -174,7 +174,7 @@ def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path: Path) -
     assert "press again" not in ellipse
 
 
-def test_doubtful_input_stands_above_the_figures(demo, tmp_path: Path) -> None:
+def test_doubtful_input_stands_above_the_figures(demo, tmp_path):
     notes = tuple(f"finger_{k}: are these full widths?" for k in range(5))
     out = shutil.copytree(demo[2], tmp_path / "results")
     text = write_report(replace(demo[0], notes=notes), out).read_text(encoding="utf-8")
@@ -184,7 +184,7 @@ def test_doubtful_input_stands_above_the_figures(demo, tmp_path: Path) -> None:
     assert "Check the input" not in demo[1][: demo[1].index("<figure")]
 
 
-def test_each_link_leads_into_a_fold_not_to_its_lid(demo) -> None:
+def test_each_link_leads_into_a_fold_not_to_its_lid(demo):
     _, text, _ = demo
     # A browser opens the fold that an element lies in, not one that has the name itself.
     links = set(re.findall(r'href="#([^"]+)"', re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL)))
@@ -192,7 +192,7 @@ def test_each_link_leads_into_a_fold_not_to_its_lid(demo) -> None:
     assert all(f'</summary><div id="{link}">' in text for link in links)
 
 
-def test_what_is_missing_or_exact_stands_in_its_fold(demo) -> None:
+def test_what_is_missing_or_exact_stands_in_its_fold(demo):
     result, text, _ = demo
     fold = html.unescape(re.search(r'<div id="missing">(.*?)</div>', text, re.DOTALL)[1])  # type: ignore[index]
     assert len(result.study.taken_as_exact()) == fold.count("Taken as exact") > 0
@@ -202,7 +202,7 @@ def test_what_is_missing_or_exact_stands_in_its_fold(demo) -> None:
     assert f'<a href="#missing">{fold.count("<li>")} inputs are missing' in text
 
 
-def test_verdicts_stand_beside_the_results_and_say_what_to_do(demo) -> None:
+def test_verdicts_stand_beside_the_results_and_say_what_to_do(demo):
     result, text, _ = demo
     headings = re.findall(r'<h3>Does the model hold\? <span class="verdict (\w+)">', text)
     assert headings == [one.verdict for one in result.validities]
@@ -220,7 +220,7 @@ def test_verdicts_stand_beside_the_results_and_say_what_to_do(demo) -> None:
     assert "does not print folded parts" in text
 
 
-def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo) -> None:
+def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo):
     result, page, _ = demo
     # Those by Hertz theory differ by 50 % too, but their uncertainty holds the model's discrepancy.
     (words,) = moduli_apart(answers_of(result))
@@ -228,7 +228,7 @@ def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo) -> None
     assert words.partition(" ± ")[0] in page
 
 
-def test_manifest_text_escaped(tmp_path: Path) -> None:
+def test_manifest_text_escaped(tmp_path):
     result = run(tmp_path, finger(), title="<script>alert(1)</script> & sons")
     text = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
     assert "<script>" not in text
@@ -236,7 +236,7 @@ def test_manifest_text_escaped(tmp_path: Path) -> None:
     assert "No contact is given" in text
 
 
-def test_formulas_and_minus_signs_are_set_as_such(demo) -> None:
+def test_formulas_and_minus_signs_are_set_as_such(demo):
     _, text, _ = demo
     words = re.sub(r"<[^>]*>", " ", re.sub("<(svg|style).*?</\\1>", "", text, flags=re.DOTALL))
     assert not re.findall(r"R_\w+|R₀g|\^\(", words)
@@ -247,7 +247,7 @@ def test_formulas_and_minus_signs_are_set_as_such(demo) -> None:
 # Remarks of the report in words
 
 
-def test_pooling_says_who_decided_and_what_speaks_against_it() -> None:
+def test_pooling_says_who_decided_and_what_speaks_against_it():
     row = {"excluding_flags": "low_contrast", "pooling_corrected_by": None, "pooled": False}
     flag = "the contact has little contrast with the background"
     assert pooling_words(row) == flag
@@ -259,11 +259,11 @@ def test_pooling_says_who_decided_and_what_speaks_against_it() -> None:
     ("p_value", "words", "with_letter"),
     [(0.04321, "0.043", "p = 0.043"), (1e-9, "< 0.001", "p < 0.001"), (math.nan, "–", "p = –")],
 )
-def test_probabilities(p_value, words, with_letter) -> None:
+def test_probabilities(p_value, words, with_letter):
     assert (probability(p_value), p_words(p_value)) == (words, with_letter)
 
 
-def test_differences_between_faces_in_percent() -> None:
+def test_differences_between_faces_in_percent():
     seen = {"palmar": (11.8, 13.8), "radial": (7.9, 14.0)}
     faces = [FaceSemiAxes(face=f, semi_axes=np.array(s), covariance=np.eye(2)) for f, s in seen.items()]
     assert face_differences(combine_faces(faces)) == (
@@ -271,14 +271,14 @@ def test_differences_between_faces_in_percent() -> None:
     )
 
 
-def test_what_repeats_tell_of_one_impression() -> None:
+def test_what_repeats_tell_of_one_impression():
     found = ContactRepeatability(covariance=np.diag([0.01**2, 0.03**2]), freedom=8, groups=4, count=12)
     assert borrowed(found) == (
         "2.0 % in area and 3.0 % in aspect ratio, from 12 repeats of 4 contacts (8 degrees of freedom)"
     )
 
 
-def test_symbols_and_signs_of_a_page() -> None:
+def test_symbols_and_signs_of_a_page():
     assert typeset("R_g & 4 (ℓd ℓe)^(3/2)") == (
         "R<sub>g</sub> &amp; 4 (ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>"
     )
@@ -289,7 +289,7 @@ def test_symbols_and_signs_of_a_page() -> None:
 # Plots of a loading curve: what is drawn lies where the record is
 
 
-def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch):
     drawn = []
 
     def kept(axes, indentation, load, *, phase, fits, **options):

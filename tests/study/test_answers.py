@@ -29,14 +29,14 @@ def answer(folder: Path, *tables: Table) -> Answer:
     return found
 
 
-def test_bone_that_nobody_stated_is_said_to_be_unknown(tmp_path: Path) -> None:
+def test_bone_that_nobody_stated_is_said_to_be_unknown(tmp_path):
     found = answer(tmp_path, finger(), press(0.02, 1.2, 1.16, roll=-10))
     assert found.label == "f, 30°, roll −10°"
     assert "kPa (0.02 N), bone unknown; Hertz theory " in found.sentence
     assert not found.on_bone
 
 
-def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path: Path) -> None:
+def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path):
     found = answer(tmp_path, THICK, press())
     without = answer(tmp_path, finger(), press())
     assert " kPa (2 N) on its bone (layer fails: shape +" in found.sentence
@@ -45,7 +45,7 @@ def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path: Path) -
     assert (found.area, found.load) == (pytest.approx(math.pi * 7.4 * 5.0), 2)
 
 
-def test_where_both_models_fail_both_moduli_are_said(tmp_path: Path) -> None:
+def test_where_both_models_fail_both_moduli_are_said(tmp_path):
     found = answer(tmp_path, THICK, press(), curve(loading_radius_mm=40))
     hertz = found.of.validity.headlines["youngs_modulus_kpa"].value
     assert found.of.validity.verdict == found.of.validity.on_layer.verdict == "fails"
@@ -53,12 +53,12 @@ def test_where_both_models_fail_both_moduli_are_said(tmp_path: Path) -> None:
     assert re.search(said, found.sentence)
 
 
-def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path: Path) -> None:
+def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path):
     found = answer(tmp_path, THICK, press(2, 14, 9))
     assert " kPa (2 N) without bone; Hertz theory fails" in found.sentence
 
 
-def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path: Path) -> None:
+def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path):
     given = curve(loading_radius_mm=40)
     found = answer(tmp_path, finger(), press(0.5, 3.5, 3.3), given)
     (check,) = (one for one in found.of.validity.checks if one.check == "radius_against_loading")
@@ -66,7 +66,7 @@ def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path: Path
     assert f"; Hertz theory fails (radius −{-100 * check.relative_difference:.0f} %); " in found.sentence
 
 
-def test_highest_load_counts(tmp_path: Path) -> None:
+def test_highest_load_counts(tmp_path):
     found = answer(tmp_path, finger(), press(1, 6.0), press(2, 7.4))
     assert (found.load, found.area) == (2, pytest.approx(math.pi * 7.4 * 5.0))
 
@@ -83,7 +83,7 @@ OF_A_PAD = [
 PRESSES = [contact(f"c{load}", load, (5 * load ** (1 / 3), 4 * load ** (1 / 3))) for load in (0.5, 1, 2, 4)]
 
 
-def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path: Path) -> None:
+def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path):
     with_pad = run(tmp_path / "with", finger(), *PRESSES)
     without = run(tmp_path / "without", finger(std=0), *PRESSES)
     assert items(without.rows["status"]) == ["measured"] * 4
@@ -103,7 +103,7 @@ def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path: Path) -> None:
     assert validity.verdict == "not tested"  # an exponent alone tests no theory
 
 
-def test_repeats_count_without_semi_axes(tmp_path: Path) -> None:
+def test_repeats_count_without_semi_axes(tmp_path):
     sizes = np.random.default_rng(1).normal(5, 0.2, 8)
     repeats = [contact(f"c{number}", 2, (size, 4)) for number, size in enumerate(sizes)]
     known = run(tmp_path / "with", finger(), *repeats).repeatability[False]
@@ -112,7 +112,7 @@ def test_repeats_count_without_semi_axes(tmp_path: Path) -> None:
     np.testing.assert_allclose(alone.covariance, known.covariance)
 
 
-def test_the_sentence_says_what_is_missing(tmp_path: Path) -> None:
+def test_the_sentence_says_what_is_missing(tmp_path):
     steep = [contact(f"c{load}", load, (5 * load, 4 * load), std=0.01) for load in (0.5, 1, 2)]
     (answer,) = answers_of(run(tmp_path, finger(std=0), *steep))
     assert answer.text.startswith("contact area 251.33 ± 0.40 mm² under 2 N; Hertz theory fails (modulus")
@@ -120,14 +120,14 @@ def test_the_sentence_says_what_is_missing(tmp_path: Path) -> None:
     assert math.isnan(answer.modulus)
 
 
-def test_a_loading_curve_stands_beside_areas(tmp_path: Path) -> None:
+def test_a_loading_curve_stands_beside_areas(tmp_path):
     found = run(tmp_path, finger(std=0), *PRESSES, curve(loading_radius_mm=15, loading_radius_mm_std=1))
     (validity,) = found.validities
     radius = next(one for one in validity.checks if one.check == "radius_against_loading")
     assert (radius.verdict, radius.note) == ("not tested", "the finger has no semi-axes")
 
 
-def test_report_and_results_of_areas_alone(tmp_path: Path) -> None:
+def test_report_and_results_of_areas_alone(tmp_path):
     """One finger has a pad, the other none; a picture of the other is measured, and a sequence."""
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_2N.png", tmp_path / "print.png")
     frames = tmp_path / "frames"

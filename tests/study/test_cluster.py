@@ -46,7 +46,7 @@ os.stat = stat
 
 
 @pytest.fixture(autouse=True)
-def patience(small_pieces: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def patience(small_pieces, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 120)
 
 
@@ -121,7 +121,7 @@ def scheduler() -> Iterator[Scheduler]:
 
 
 @pytest.fixture
-def workers(scheduler: Scheduler, tmp_path: Path) -> Iterator[Workers]:
+def workers(scheduler, tmp_path) -> Iterator[Workers]:
     """Return the workers of one test, of which the scheduler forgets before the next."""
     started = Workers(scheduler, tmp_path / "dask")
     yield started
@@ -139,9 +139,7 @@ def rows(manifest: Path, out: Path, **options: object) -> list[Row]:
     return list(records(run_study(manifest, out, **options).rows))
 
 
-def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
-    unfinished: Path, undisturbed: list[dict], workers: Workers
-) -> None:
+def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(unfinished, undisturbed, workers):
     workers.start()
     workers.start()
     reported: list[Progress] = []
@@ -159,9 +157,7 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
 
 
 @pytest.mark.nightly
-def test_a_killed_scheduler_costs_only_what_was_in_hand(
-    unfinished: Path, undisturbed: list[dict], tmp_path: Path
-) -> None:
+def test_a_killed_scheduler_costs_only_what_was_in_hand(unfinished, undisturbed, tmp_path):
     scheduler = Scheduler()
     workers = Workers(scheduler, tmp_path / "dask")
     workers.start_alone()
@@ -183,9 +179,7 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
-def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(
-    small_study: Path, tmp_path: Path, workers: Workers
-) -> None:
+def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(small_study, tmp_path, workers):
     manifest = copy(small_study, tmp_path / "study")
     workers.start_alone(blind_to=manifest.parent)
     words = refusal(manifest, tmp_path / "out", workers.address)
@@ -197,8 +191,8 @@ def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(
 
 @pytest.mark.nightly
 def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
-    small_study: Path, tmp_path: Path, workers: Workers, scheduler: Scheduler
-) -> None:
+    small_study, tmp_path, workers, scheduler
+):
     manifest = copy(small_study, tmp_path / "study")
     workers.start_alone(path=HERE)
     with cluster.cluster_executor(manifest, 1, workers.address, Limits()) as executor:
@@ -209,9 +203,7 @@ def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
             executor.submit(CRASHING).result(60)
 
 
-def test_a_worker_of_another_version_is_refused_by_its_name(
-    small_study: Path, tmp_path: Path, workers: Workers
-) -> None:
+def test_a_worker_of_another_version_is_refused_by_its_name(small_study, tmp_path, workers):
     other = tmp_path / "other" / "fingerpad-0.0.7.dist-info"
     other.mkdir(parents=True)
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: fingerpad\nVersion: 0.0.7\n")
@@ -220,9 +212,7 @@ def test_a_worker_of_another_version_is_refused_by_its_name(
         run(small_study, tmp_path / "out", workers.address)
 
 
-def test_a_worker_of_other_code_is_refused_by_its_name(
-    small_study: Path, tmp_path: Path, workers: Workers
-) -> None:
+def test_a_worker_of_other_code_is_refused_by_its_name(small_study, tmp_path, workers):
     package = Path(shutil.copytree(Path(fingerpad.__file__).parent, tmp_path / "src" / "fingerpad"))
     with (package / "image" / "scale.py").open("a") as file:
         file.write("\n# changed\n")
@@ -232,9 +222,7 @@ def test_a_worker_of_other_code_is_refused_by_its_name(
 
 
 @pytest.mark.nightly
-def test_workers_that_are_all_dead_end_the_run_in_words(
-    unfinished: Path, undisturbed: list[dict], workers: Workers, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_that_are_all_dead_end_the_run_in_words(unfinished, undisturbed, workers, monkeypatch):
     monkeypatch.setattr(cluster, "_COUNT_AGAIN_S", 0.5)
     workers.start()
     reported: list[Progress] = []
@@ -250,9 +238,7 @@ def test_workers_that_are_all_dead_end_the_run_in_words(
     assert rows(unfinished, unfinished.parent / "out") == undisturbed
 
 
-def test_a_task_that_crashes_is_named_and_costs_no_worker(
-    small_study: Path, tmp_path: Path, workers: Workers
-) -> None:
+def test_a_task_that_crashes_is_named_and_costs_no_worker(small_study, tmp_path, workers):
     workers.start_alone(path=HERE)
     with cluster.cluster_executor(small_study, 1, workers.address, Limits()) as executor:
         result = executor.submit(CRASHING).result(60)
@@ -262,9 +248,7 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(
 
 
 @pytest.mark.nightly
-def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(
-    small_study: Path, workers: Workers
-) -> None:
+def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(small_study, workers):
     workers.start_alone()
     with Client(workers.address, set_as_default=False) as client:
         executor = cluster.ClusterExecutor(client, small_study, Limits())
@@ -284,13 +268,8 @@ def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(
     ],
 )
 def test_a_scheduler_that_is_none_or_has_no_workers(
-    small_study: Path,
-    tmp_path: Path,
-    scheduler: Scheduler,
-    monkeypatch: pytest.MonkeyPatch,
-    address: str,
-    words: str,
-) -> None:
+    small_study, tmp_path, scheduler, monkeypatch, address, words
+):
     monkeypatch.setattr(cluster, "_WAIT_S", 1)
     assert words in refusal(small_study, tmp_path / "out", address or scheduler.address)
 
@@ -303,7 +282,7 @@ def refusal(manifest: Path, out: Path, scheduler: str) -> str:
 
 
 @pytest.mark.nightly
-def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
+def test_waiting_for_one_result_delays_no_other(workers):
     workers.start_alone()
     lost, seen = threading.Event(), threading.Event()
     with Client(workers.address, timeout=60, set_as_default=False) as client:
@@ -315,14 +294,12 @@ def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
 
 
 @pytest.mark.nightly
-def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> None:
+def test_a_scheduler_of_ones_own(unfinished, undisturbed):
     assert rows(unfinished, unfinished.parent / "out", workers=2, scheduler="local") == undisturbed
 
 
 @pytest.mark.nightly
-def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
-    small_study: Path, tmp_path: Path
-) -> None:
+def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(small_study, tmp_path):
     log = tmp_path / "log.jsonl"
     words = ["--out", str(tmp_path / "out"), "--scheduler", "local", "--workers", "1", "--log", str(log)]
     run = subprocess.Popen(

@@ -53,7 +53,7 @@ def value(value: float, std: float, *, person: str = "P01", named: bool = True, 
     return Value(value=value, std=std, person=Person(person, named), **{**given, **more})
 
 
-def test_a_finger_under_two_names_counts_once(tmp_path: Path) -> None:
+def test_a_finger_under_two_names_counts_once(tmp_path):
     one, other = (studies.finger(name, person="P01", digit="left_index") for name in ("ellipse", "direct"))
     pressed = [contact(name, finger=name) for name in ("ellipse", "direct")]
     studies.run(tmp_path, one, other, *pressed)
@@ -64,7 +64,7 @@ def test_a_finger_under_two_names_counts_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
+def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says():
     # Eight people, three fingers each; people differ more than fingers do, fingers more than is measured.
     random = np.random.default_rng(11)
     truth, between, within, std = 14.0, 1.0, 0.5, 0.2
@@ -86,7 +86,7 @@ def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
     assert_allclose(np.mean(fingers_scatter), within**2, rtol=0.15)
 
 
-def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm() -> None:
+def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm():
     moduli = [value(e, 0.1 * e, person=f"P{e}", quantity="youngs_modulus_kpa") for e in (20, 45, 130)]
     (mean,) = means_of(moduli)
     low, high = mean.interval
@@ -101,7 +101,7 @@ def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm() -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("people", "least"), [(4, 0.9), (15, 0.87)])
-def test_intervals_of_values_that_scatter_by_a_factor_hold_their_mean(people: int, least: float) -> None:
+def test_intervals_of_values_that_scatter_by_a_factor_hold_their_mean(people, least):
     random, held, count = np.random.default_rng(3), 0, 150
     for _ in range(count):
         seen = 40 * np.exp(0.8 * random.normal(size=people))
@@ -111,13 +111,13 @@ def test_intervals_of_values_that_scatter_by_a_factor_hold_their_mean(people: in
 
 
 @pytest.mark.nightly
-def test_a_mean_over_people_is_not_pulled_to_those_whose_values_are_small() -> None:
+def test_a_mean_over_people_is_not_pulled_to_those_whose_values_are_small():
     found = pooling.people(8, 0.1, repeats=200)
     assert abs(found.bias) < 0.2  # known to 0.07; −0.4 with the weights of what is stated
     assert 0.92 <= found.covered <= 0.98
 
 
-def test_one_person_tells_nothing_of_people() -> None:
+def test_one_person_tells_nothing_of_people():
     (mean,) = means_of([value(13.0, 0.1), value(14.0, 0.1, finger="ring")])
     assert mean.interval is None
     assert math.isnan(mean.between_people_std)
@@ -129,7 +129,7 @@ def test_one_person_tells_nothing_of_people() -> None:
     assert math.isnan(single.between_fingers_std)
 
 
-def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom() -> None:
+def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom():
     two = [value(13.0 + offset, 1e-6, finger=f"f{offset}") for offset in (0, 1)]
     four = [value(13.0 + offset, 1e-6, person="P02", finger=f"f{offset}") for offset in (0, 2, 4, 6)]
     (mean,) = means_of([*two, *four])
@@ -138,7 +138,7 @@ def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom() -> None
     assert mean.between_fingers_std == pytest.approx(expected, rel=1e-6)
 
 
-def test_what_a_wedge_adds_does_not_average_away_within_a_study() -> None:
+def test_what_a_wedge_adds_does_not_average_away_within_a_study():
     def mean_std(studies: list[str]) -> float:
         values = [
             value(14.0, 0.2, person=f"P{n}", study=study, shared_std=0.199) for n, study in enumerate(studies)
@@ -149,7 +149,7 @@ def test_what_a_wedge_adds_does_not_average_away_within_a_study() -> None:
     assert mean_std(["A", "B"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
 
 
-def test_real_and_synthetic_angles_and_rolls_never_mix() -> None:
+def test_real_and_synthetic_angles_and_rolls_never_mix():
     values = [
         value(10.0 + n, 0.1, synthetic=synthetic, wedge_angle_deg=wedge, roll_angle_deg=roll)
         for n, (synthetic, wedge, roll) in enumerate(
@@ -159,7 +159,7 @@ def test_real_and_synthetic_angles_and_rolls_never_mix() -> None:
     assert [mean.value for mean in means_of(values)] == pytest.approx([10, 11, 12, 13])
 
 
-def test_a_named_person_s_finger_is_one_in_all_studies() -> None:
+def test_a_named_person_s_finger_is_one_in_all_studies():
     twice = [value(13.0, 0.1, study="A"), value(13.4, 0.1, study="B")]
     assert (means_of(twice)[0].fingers, len(means_of(twice)[0].people)) == (1, 1)
     unnamed = [value(13.0, 0.1, study=s, person=s, named=False) for s in ("A", "B")]
@@ -190,7 +190,7 @@ def ran(folder: Path, title: str, *fingers: list[Table]) -> Path:
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def runs(tmp_path_factory) -> list[Path]:
     root = tmp_path_factory.mktemp("runs")
     of_one = finger("l_index", 7.9, person="P01"), finger("l_ring", 7.7, person="P01")
     first = ran(root / "a", "Lab <b>A</b>", *of_one)
@@ -199,7 +199,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return [first, second, third]
 
 
-def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
+def test_every_value_is_that_of_its_run(runs):
     found = compare_studies([runs[0], runs[1] / "results.csv", runs[2] / "summary.json"])
     assert {(v.study, v.finger, v.person) for v in found.values} == {
         ("Lab <b>A</b>", "l_index", Person("P01", True)),
@@ -240,7 +240,7 @@ def finished(**keys: Any) -> FinishedStudy:
     return FinishedStudy(folder=Path("out"), summary=summary)
 
 
-def test_what_both_angles_do_to_a_finger_is_shared() -> None:
+def test_what_both_angles_do_to_a_finger_is_shared():
     shares = {"semi-axes": 0.3, "pad shape": 0.06, "wedge angle": 0.09, "roll angle": 0.15}
     study = finished(
         roll_angle_deg=5.0,
@@ -256,7 +256,7 @@ def test_what_both_angles_do_to_a_finger_is_shared() -> None:
     assert shared["palmar_mm"] == 0.0
 
 
-def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:
+def test_means_are_over_people_and_say_of_whom(runs):
     found = compare_studies(runs)
     counts = {mean.synthetic: (len(mean.people), mean.fingers) for mean in found.of("palmar_mm")[1]}
     assert counts == {False: (3, 4), True: (1, 1)}
@@ -268,7 +268,7 @@ def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:
     assert "versions" not in notes
 
 
-def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> None:
+def test_tables_hold_all_values_and_means(runs, tmp_path):
     found = compare_studies(runs)
     write_comparison(found, tmp_path)
     rows = studies.rows_of(tmp_path / "compare.csv")
@@ -282,7 +282,7 @@ def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> N
     assert sum(mean["synthetic"] for mean in record["means"]) == 11
 
 
-def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tmp_path: Path) -> None:
+def test_the_page_stands_alone_and_labels_what_is_synthetic(runs, tmp_path):
     page = write_comparison_page(compare_studies(runs), tmp_path).read_text(encoding="utf-8")
     assert "Lab <b>A</b>" not in page
     assert "Lab &lt;b&gt;A&lt;/b&gt;" in page
@@ -298,7 +298,7 @@ def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tm
     assert figure.panels[0].x.label == "wedge angle (°)"
 
 
-def test_areas_have_one_mean_at_each_load(runs: list[Path]) -> None:
+def test_areas_have_one_mean_at_each_load(runs):
     areas = [
         value(area, 2.0, person=f"P{n}", quantity="highest_area_mm2", load=load)
         for n, (area, load) in enumerate([(98.0, 2.0), (104.0, 1.98), (60.0, 1.0), (64.0, 1.02)])
@@ -311,7 +311,7 @@ def test_areas_have_one_mean_at_each_load(runs: list[Path]) -> None:
     assert list(plot.figure.panels[0].y.names)[-2:] == [f"mean over people at {load} N" for load in (1, 2)]
 
 
-def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
+def test_a_figure_of_very_many_fingers_shows_people(runs):
     found = compare_studies(runs)
     many = [
         value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
@@ -329,7 +329,7 @@ def changed(run: Path, folder: Path, **keys: Any) -> Path:
     return write_sums(folder)
 
 
-def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Path) -> None:
+def test_different_versions_and_failures_are_told(runs, tmp_path):
     other = {**studies.summary_of(runs[2])["provenance"], "fingerpad": "0.0.9"}
     older = changed(runs[2], tmp_path / "older", provenance=other, failures=["x"])
     notes = " | ".join(compare_studies([runs[0], older]).notes)
@@ -337,7 +337,7 @@ def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Pa
     assert "Lab C: 1 could not be measured" in notes
 
 
-def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: Path) -> None:
+def test_moduli_that_no_finger_has_stand_in_no_mean(runs, tmp_path):
     millinewtons = finger("index", 7.9, person="P07", heavy=2000)
     wrong = ran(tmp_path / "wrong", "Lab D", millinewtons)
     compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
@@ -348,7 +348,7 @@ def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: 
     assert "1–5000 kPa" not in str(alone.notes)
 
 
-def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_path: Path) -> None:
+def test_what_is_no_study_or_twice_the_same_is_refused(runs, tmp_path):
     copy = changed(runs[0], tmp_path / "copy", title="Renamed")
     provenance = studies.summary_of(runs[2])["provenance"]
     other = changed(runs[2], tmp_path / "other", provenance={**provenance, "inputs_sha256": {"x": "y"}})
@@ -369,7 +369,7 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_pat
             compare_studies(paths)
 
 
-def test_from_the_command_line(runs: list[Path], tmp_path: Path) -> None:
+def test_from_the_command_line(runs, tmp_path):
     code, said, error = command.run("compare", *runs, "--out", tmp_path / "out")
     assert (code, error) == (0, "")
     assert "P01, l_index" in said
@@ -383,7 +383,7 @@ def test_from_the_command_line(runs: list[Path], tmp_path: Path) -> None:
     assert error.startswith("fingerpad: ")
 
 
-def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) -> None:
+def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):
     found = compare_studies(runs)
     summaries = [one for run in runs for one in studies.summary_of(run)["summaries"]]
     hertz = [one for one in found.verdicts if one.model == "Hertz theory"]
@@ -401,7 +401,7 @@ def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) 
         assert one.compared[0].split(",")[0].replace("R_g", "R<sub>g</sub>") in page
 
 
-def test_the_discrepancy_of_the_model_does_not_average_away() -> None:
+def test_the_discrepancy_of_the_model_does_not_average_away():
     people = [value(14.0, math.hypot(0.2, 3.0), person=f"P{n}", model_std=3.0) for n in range(12)]
     (mean,) = means_of(people)
     assert 3.0 < mean.std < 3.1
@@ -409,7 +409,7 @@ def test_the_discrepancy_of_the_model_does_not_average_away() -> None:
     assert mean.between_people_std == pytest.approx(known.between_people_std)
 
 
-def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
+def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory():
     headline = record(HeadlineRecord, verdict="fails", value=66.9, value_std=3.7, model_std=20.0)
     checks = [
         record(CheckRecord, check="shape_on_layer", verdict="holds", compared="length over width"),

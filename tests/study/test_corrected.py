@@ -76,29 +76,6 @@ def finger_of(finger, scales, folder, out, active_corrections):
     return finger_result(finger, scales, folder, records, active_corrections)
 
 
-def test_without_corrections_nothing_is_different(folder, tmp_path):
-    plain = measured(folder, tmp_path, "p")
-    assert plain.automatic_semi_major_mm == plain.semi_major_mm
-    assert plain.reviewed is None
-    assert plain.rejected is None
-    assert plain.counts
-
-
-def test_a_manual_ellipse_holds_and_the_automatic_one_stays_beside(folder, tmp_path):
-    plain = measured(folder, tmp_path, "p")
-    centre = [plain.centroid_row_px, plain.centroid_column_px]
-    drawn = {"centre": centre, "semi_axes": [140, 110], "orientation_deg": 20}
-    found = measured(folder, tmp_path, "p", {"ellipse_px": drawn})
-    assert found.semi_major_mm == pytest.approx(140 * 25.4 / 500, rel=1e-3)
-    assert found.automatic_semi_major_mm == plain.semi_major_mm
-    assert found.automatic_semi_minor_mm == plain.semi_minor_mm
-    assert found.orientation_deg == pytest.approx(20, abs=0.1)
-    assert found.measured_by == "manual"
-    assert (found.reviewed, found.reviewed_by) == ("corrected", "anna")
-    assert found.flags == plain.flags == ()
-    assert (tmp_path / "out" / found.overlay).is_file()
-
-
 def test_strokes_and_options_correct_the_automatic_result(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
     middle = [plain.centroid_row_px - 140, plain.centroid_column_px]
@@ -115,17 +92,6 @@ def test_strokes_and_options_correct_the_automatic_result(folder, tmp_path):
     )
     # Back to the program.
     assert measured(folder, tmp_path, "p", {}).semi_major_mm == plain.semi_major_mm
-
-
-def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
-    found = measured(folder, tmp_path, "p", {"rejected": "it slipped"})
-    assert found.rejected == "it slipped"
-    assert found.reason is None
-    assert not found.counts
-    assert math.isfinite(found.semi_major_mm)
-    assert found.reviewed == "rejected"
-    given = measured(folder, tmp_path, "given", {"rejected": "not ours"})
-    assert (given.rejected, given.counts) == ("not ours", False)
 
 
 def test_a_contact_not_found_automatically_is_measured_manually(folder, tmp_path):

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("small_pieces")
 ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}
 
 
-def test_a_corrected_observation_alone_is_measured_anew(finished: Path) -> None:
+def test_a_corrected_observation_alone_is_measured_anew(finished):
     before, _ = run_watched(finished)
     correct(finished.parent, "o1", ELLIPSE)
     assert study_status(finished, finished.parent / "out").stale == 1
@@ -28,7 +28,11 @@ def test_a_corrected_observation_alone_is_measured_anew(finished: Path) -> None:
     row = rows_by(after)["o1"]
     assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("manual", "corrected", "anna")
     assert row["semi_major_mm"] == pytest.approx(40 * 25.4 / 240, rel=1e-3)
-    assert row["automatic_semi_major_mm"] == rows_by(before)["o1"]["semi_major_mm"]
+    assert row["orientation_deg"] == pytest.approx(10, abs=0.1)
+    assert (finished.parent / "out" / row["overlay"]).is_file()
+    own = rows_by(before)["o1"]
+    for name in ("semi_major_mm", "semi_minor_mm"):
+        assert row[f"automatic_{name}"] == own[name] == own[f"automatic_{name}"]
     correct(finished.parent, "o1", {})
     again, measured = run_watched(finished)
     assert measured == ["o1"]
@@ -37,12 +41,9 @@ def test_a_corrected_observation_alone_is_measured_anew(finished: Path) -> None:
 
 @pytest.mark.parametrize(
     ("item", "change", "status"),
-    [
-        ("o2", {"accepted": True}, "measured"),
-        ("p#12", {"rejected": "smeared"}, "rejected"),
-    ],
+    [("o2", {"accepted": True}, "measured"), ("p#12", {"rejected": "smeared"}, "rejected")],
 )
-def test_a_verdict_measures_nothing(finished: Path, item: str, change: dict, status: str) -> None:
+def test_a_verdict_measures_nothing(finished, item, change, status):
     before, _ = run_watched(finished)
     correct(finished.parent, item, change)
     after, measured = run_watched(finished)
@@ -53,18 +54,13 @@ def test_a_verdict_measures_nothing(finished: Path, item: str, change: dict, sta
     assert not (row["pooled"] and status == "rejected")
     assert after.failures == []
     # What the model's checks say is of all contacts of the finger together.
-    own = [
-        name
-        for name in COLUMNS
-        if not (name == "model_verdict" or name.endswith(("_model_std", "_total_std")))
-    ]
-    others = [
-        [one for one in records(found.rows, *own) if one["observation"] != item] for found in (before, after)
-    ]
-    assert others[0] == others[1]
+    every = ("_model_std", "_total_std", "model_verdict")
+    own = [name for name in COLUMNS if not name.endswith(every)]
+    before, after = ({row["observation"]: row for row in records(one.rows, *own)} for one in (before, after))
+    assert before | {item: None} == after | {item: None}
 
 
-def test_the_report_lists_manual_corrections(finished: Path) -> None:
+def test_the_report_lists_manual_corrections(finished):
     correct(finished.parent, "o1", ELLIPSE)
     correct(finished.parent, "o2", {"rejected": "it <slipped>"})
     result, _ = run_watched(finished)
@@ -74,7 +70,7 @@ def test_the_report_lists_manual_corrections(finished: Path) -> None:
     assert all(words in section for words in ("corrected", "it &lt;slipped&gt;", "anna", f"{own:.3f}"))
 
 
-def test_a_corrected_frame_has_its_piece_measured_anew(finished: Path) -> None:
+def test_a_corrected_frame_has_its_piece_measured_anew(finished):
     before, _ = run_watched(finished)
     correct(finished.parent, "p#8", ELLIPSE)
     after, measured = run_watched(finished)
@@ -102,7 +98,7 @@ def semi_axes_states(finished: Path, run_of: StudyResult | None) -> dict[str, st
     return {one.name: semi_axes_state(one, states, records.get(one.name)) for one in study.fingers}
 
 
-def test_semi_axes_are_out_of_date_once_their_photographs_change(finished: Path) -> None:
+def test_semi_axes_are_out_of_date_once_their_photographs_change(finished):
     assert semi_axes_states(finished, None) == {"f": "given", "g": "left"}
     result, _ = run_watched(finished)
     assert semi_axes_states(finished, result) == {"f": "given", "g": "done"}
@@ -118,7 +114,7 @@ def test_semi_axes_are_out_of_date_once_their_photographs_change(finished: Path)
     assert "palmar" in (result.fingers["g"].reason or "")
 
 
-def test_what_is_odd_about_corrections_is_told(finished: Path) -> None:
+def test_what_is_odd_about_corrections_is_told(finished):
     correct(finished.parent, "o1", ELLIPSE)
     correct(finished.parent, "p#900", {"rejected": "smeared"})
     text = finished.read_text()
@@ -131,7 +127,7 @@ def test_what_is_odd_about_corrections_is_told(finished: Path) -> None:
     assert "corrections.jsonl" in result.provenance["inputs_sha256"]
 
 
-def test_corrections_of_a_picture_that_was_replaced_are_told(finished: Path) -> None:
+def test_corrections_of_a_picture_that_was_replaced_are_told(finished):
     for item in ("o1", "o2", "g/distal.jpg", "p#8"):
         correct(finished.parent, item, {"accepted": True})
     assert not run_watched(finished)[0].notes

@@ -21,7 +21,7 @@ def curves(folder: Path, *stated: dict[str, object]) -> list[CurveResult]:
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory: pytest.TempPathFactory) -> list[CurveResult]:
+def fitted(tmp_path_factory) -> list[CurveResult]:
     """Return a curve without a scale, by its name, by its uncertainty and lost; and another by its name."""
     folder = tmp_path_factory.mktemp("fitted")
     for seed in (0, 1):
@@ -34,7 +34,7 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> list[CurveResult]:
     return curves(folder, {}, named, {"area_relative_std": 0.06}, {"scale": LOST}, other)
 
 
-def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted: list[CurveResult]) -> None:
+def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted):
     plain, named, stated, *_ = fitted
     # R_g goes with the areas, which have twice the scale's uncertainty, and E with its square root.
     for name, added in (("loading_radius", 0.06), ("youngs_modulus", 0.03), ("initial_modulus", 0.03)):
@@ -46,13 +46,13 @@ def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted: li
     assert after.std == pytest.approx(before.std, rel=1e-2)
 
 
-def test_curves_of_one_scale_do_not_average_its_error_out(fitted: list[CurveResult]) -> None:
+def test_curves_of_one_scale_do_not_average_its_error_out(fitted):
     pooled = loading_radius([fitted[1], fitted[4]], ("f", 30.0, False))
     assert pooled is not None
     assert pooled.std / pooled.value > 0.06
 
 
-def test_a_scale_that_is_not_found_costs_its_curve(fitted: list[CurveResult]) -> None:
+def test_a_scale_that_is_not_found_costs_its_curve(fitted):
     assert fitted[3].reason is not None
     assert "none.png" in fitted[3].reason
     assert fitted[3].fit is None
@@ -76,7 +76,7 @@ def study(folder: Path, scale: dict[str, object], *more: Table) -> StudyResult:
     )
 
 
-def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> None:
+def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path):
     own, shared = (
         study(tmp_path / name, scale).fingers["f"]
         for name, scale in (("own", {"outline_relative_std": 0.03}), ("shared", {"scale": "camera"}))
@@ -88,12 +88,12 @@ def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> 
     assert np.sqrt(size @ shared.covariance @ size) > 0.03 > 1.2 * np.sqrt(size @ own.covariance @ size)
 
 
-def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path: Path) -> None:
+def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path):
     found = study(tmp_path / "study", {"scale": "camera"}).study
     assert not [words for words in found.taken_as_exact() if "outlines" in words or "scale" in words]
 
 
-def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path: Path) -> None:
+def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path):
     spreads, radii = {}, {}
     for scale in ("camera", "other"):
         (folder := tmp_path / scale).mkdir()

@@ -18,24 +18,24 @@ from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Record, Task
 from fingerpad.study.engine.worker import Worker, local_executor
 
 
-def process(_folder: Path, _out: Path) -> Record:
+def process(*_: Path) -> Record:
     return {"process": os.getpid(), "threads": os.environ.get("OMP_NUM_THREADS")}
 
 
-def failing(_folder: Path, _out: Path) -> Record:
+def failing(*_: Path) -> Record:
     raise ValueError("nothing to see")
 
 
-def odd(_folder: Path, _out: Path) -> Record:
+def odd(*_: Path) -> Record:
     return {}["of a damaged file"]
 
 
-def crashing(_folder: Path, _out: Path) -> Record:
+def crashing(*_: Path) -> Record:
     os.kill(os.getpid(), signal.SIGSEGV)
     raise AssertionError
 
 
-def killed(_folder: Path, _out: Path) -> Record:
+def killed(*_: Path) -> Record:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
@@ -47,21 +47,21 @@ def crashing_once(folder: Path, _out: Path) -> Record:
     return {"process": os.getpid()}
 
 
-def endless(_folder: Path, _out: Path) -> Record:
+def endless(*_: Path) -> Record:
     while True:
         time.sleep(1)
 
 
-def lasting(_folder: Path, _out: Path) -> Record:
+def lasting(*_: Path) -> Record:
     time.sleep(1)
     return {"process": os.getpid()}
 
 
-def greedy(_folder: Path, _out: Path) -> Record:
+def greedy(*_: Path) -> Record:
     return {"sum": float(np.ones((1 << 30,)).sum())}  # 8 GB
 
 
-def full(_folder: Path, _out: Path) -> Record:
+def full(*_: Path) -> Record:
     raise OSError(28, "No space left on device")
 
 
@@ -83,7 +83,7 @@ def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIM
         return list(records_of(tasks, executor, store, folder).values())
 
 
-def test_linear_algebra_of_a_worker_has_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_linear_algebra_of_a_worker_has_one_thread(tmp_path, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "4")
     found = records(tmp_path, *[process] * 6, workers=2)
     assert {record["threads"] for record in found} == {"1"}
@@ -91,7 +91,7 @@ def test_linear_algebra_of_a_worker_has_one_thread(tmp_path: Path, monkeypatch: 
     assert os.environ.get("OMP_NUM_THREADS") == "4"
 
 
-def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path: Path) -> None:
+def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path):
     asked: list[int] = []
     before_each: list[int] = []
 
@@ -107,7 +107,7 @@ def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_records_come_in_the_order_of_their_tasks(tmp_path: Path, workers: int) -> None:
+def test_records_come_in_the_order_of_their_tasks(tmp_path, workers):
     found = records(tmp_path, process, failing, odd, process, workers=workers)
     assert ["reason" in record for record in found] == [False, True, True, False]
     assert found[1]["reason"] == "file 1: cannot be measured (ValueError: nothing to see)"
@@ -118,27 +118,16 @@ def test_records_come_in_the_order_of_their_tasks(tmp_path: Path, workers: int) 
     ("workers", "work", "words"),
     [
         (2, crashing, "file 1: the process that measured it crashed twice (signal SIGSEGV)"),
-        (
-            1,
-            killed,
-            "file 1: the process that measured it was killed twice, as happens where memory runs out",
-        ),
+        (1, killed, "file 1: the process that measured it was killed twice, as happens where memory"),
     ],
 )
-def test_a_task_that_kills_its_process_is_named_and_the_others_go_on(
-    tmp_path: Path, workers: int, work, words: str
-) -> None:
-    found = records(tmp_path, process, work, process, process, workers=workers)
+def test_a_task_that_kills_its_process_is_named_and_the_others_go_on(tmp_path, workers, work, words):
+    found = records(tmp_path, process, work, process, crashing_once, workers=workers)
     assert found[1]["reason"].startswith(words)
     assert ["reason" in record for record in found] == [False, True, False, False]
 
 
-def test_a_process_that_dies_once_costs_nothing(tmp_path: Path) -> None:
-    (record,) = records(tmp_path, crashing_once)
-    assert "reason" not in record
-
-
-def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp_path: Path) -> None:
+def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp_path):
     # On a busy machine a new process takes seconds to import the work itself.
     found = records(tmp_path, endless, process, limits=Limits(seconds=6))
     assert found[0]["reason"].startswith("file 0: measuring it takes longer than 6 s")
@@ -149,15 +138,13 @@ def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
-def test_a_task_that_takes_too_much_memory_fails_by_name(tmp_path: Path) -> None:
+def test_a_task_that_takes_too_much_memory_fails_by_name(tmp_path):
     found = records(tmp_path, greedy, process, limits=Limits(memory_gb=0.5))
     assert found[0]["reason"].startswith("file 0: measuring it takes more than 0.5 GB of memory")
     assert "reason" not in found[1]
 
 
-def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(tmp_path, monkeypatch):
     ran_out = threading.Event()
     ask, end_late = Worker._ask, Worker._end_late
 
@@ -181,12 +168,12 @@ def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(
     assert second["process"] != first["process"]
 
 
-def test_a_full_disk_ends_the_run(tmp_path: Path) -> None:
+def test_a_full_disk_ends_the_run(tmp_path):
     with pytest.raises(StoreError, match="the disk is full"):
         records(tmp_path, full)
 
 
-def test_what_is_drawn_is_kept_and_what_is_printed_does_no_harm(tmp_path: Path) -> None:
+def test_what_is_drawn_is_kept_and_what_is_printed_does_no_harm(tmp_path):
     records(tmp_path, drawing)
     with Store.reading(tmp_path / STORE_NAME) as store:
         ((name, digest),) = store.statuses()["0"].drawn.items()
@@ -194,7 +181,7 @@ def test_what_is_drawn_is_kept_and_what_is_printed_does_no_harm(tmp_path: Path) 
         assert store.drawn_file(name, digest).read_text() == "<svg/>"
 
 
-def test_workers_end_with_their_parent(tmp_path: Path) -> None:
+def test_workers_end_with_their_parent(tmp_path):
     pid = os.fork()
     if not pid:
         try:
@@ -217,7 +204,7 @@ def _is_running(pid: int) -> bool:
         return False
 
 
-def test_a_second_interrupt_does_not_wait(tmp_path: Path) -> None:
+def test_a_second_interrupt_does_not_wait(tmp_path):
     stored = []
 
     def interrupt() -> None:

@@ -36,7 +36,7 @@ def make(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def results(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("study")
     make(folder)
     (folder / "broken.png").write_bytes(b"no picture")
@@ -97,7 +97,7 @@ def test_matlab_keeps_values_units_and_meanings(results, tmp_path):
     assert all(re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII) for name in COLUMNS)  # as MATLAB takes
 
 
-def test_every_column_has_the_unit_that_its_name_says() -> None:
+def test_every_column_has_the_unit_that_its_name_says():
     expected = {
         "load_N": "N", "time_s": "s", "frame": "1", "u_deg": "deg", "mm_per_px": "mm/px",
         "mm_per_px_std": "mm/px",
@@ -229,14 +229,14 @@ def make_two(folder: Path, load: float = 2, first: float = 30, second: float = 4
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> str:
+def folder(tmp_path_factory) -> str:
     study = tmp_path_factory.mktemp("study")
     make_two(study)
     fp.run_study(str(study), str(study / "out"))
     return str(study / "out")
 
 
-def test_the_table_holds_what_the_file_says(folder: str) -> None:
+def test_the_table_holds_what_the_file_says(folder):
     results = fp.load_results(folder)
     rows = rows_of(Path(folder) / "results.csv")
     assert isinstance(results.table, pd.DataFrame)
@@ -250,7 +250,7 @@ def test_the_table_holds_what_the_file_says(folder: str) -> None:
     assert len(repr(results)) < 100
 
 
-def test_a_notebook_shows_the_answers(folder: str) -> None:
+def test_a_notebook_shows_the_answers(folder):
     shown = fp.load_results(folder)._repr_html_()
     assert shown.startswith("<strong>Two presses</strong><ul><li>index, 30°: modulus 67.1 ± ")
     assert shown.count("<li>") == shown.count(" mm.</li>") == 2

@@ -32,7 +32,7 @@ def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
 
 
 @pytest.mark.nightly
-def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+def test_killed_at_any_moment(small_study, undisturbed, tmp_path):
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
     moments = np.random.default_rng(20).uniform(0.0, 1.0, 8)
@@ -63,7 +63,7 @@ def stored(out: Path) -> int:
 
 
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.nightly)])
-def test_an_interrupt_keeps_what_is_in_hand(unfinished: Path, undisturbed: list[dict], workers: int) -> None:
+def test_an_interrupt_keeps_what_is_in_hand(unfinished, undisturbed, workers):
     out = unfinished.parent / "out"
     before = stored(out)
     reported: list[Progress] = []
@@ -109,9 +109,7 @@ CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
         for name, change in CHANGES.items()
     ],
 )
-def test_an_input_that_changes_while_the_run_goes_on(
-    small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
-) -> None:
+def test_an_input_that_changes_while_the_run_goes_on(small_run, undisturbed, tmp_path, workers, name, change):
     item = name.partition("/")[0]
     task = {"frames": "p", "palmar.jpg": "g/palmar.jpg"}.get(item, item.removesuffix(".png"))
     manifest = copy_unfinished(small_run, tmp_path / "study", "o0", task)
@@ -130,7 +128,7 @@ def test_an_input_that_changes_while_the_run_goes_on(
     assert rows(manifest, out) == undisturbed
 
 
-def test_a_picture_of_the_same_size_and_time(finished: Path, undisturbed: list[dict]) -> None:
+def test_a_picture_of_the_same_size_and_time(finished, undisturbed):
     """A clock that was set back gives a file a time that it had before."""
     assert rows(finished, finished.parent / "out") == undisturbed
     path = finished.parent / "o1.png"
@@ -142,7 +140,7 @@ def test_a_picture_of_the_same_size_and_time(finished: Path, undisturbed: list[d
 
 
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
+def small_disk(tmp_path) -> Iterator[Path]:
     """Give a file system of its own, which can be made too small."""
     disk = tmp_path / "disk"
     disk.mkdir()
@@ -156,8 +154,8 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_two_processes_and_a_tiff_in_one_piece_give_the_rows_of_one(
-    small_study_of_tiff: Path, undisturbed: list[dict], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    small_study_of_tiff, undisturbed, tmp_path, monkeypatch
+):
     monkeypatch.setattr(sequences, "_LEAST_PIECE", FRAMES)
     found = rows(small_study_of_tiff, tmp_path / "out", workers=2)
     assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
@@ -167,7 +165,7 @@ def remount(disk: Path, options: str) -> None:
     subprocess.run(["mount", "-o", f"remount,{options}", str(disk)], check=True)
 
 
-def test_a_full_disk(small_run: Path, undisturbed: list[dict], small_disk: Path) -> None:
+def test_a_full_disk(small_run, undisturbed, small_disk):
     manifest = copy_unfinished(small_run, small_disk / "study", "o", "p")
     out = manifest.parent / "out"
     used = subprocess.run(["du", "-sk", small_disk], capture_output=True, text=True, check=True).stdout
@@ -181,13 +179,7 @@ def test_a_full_disk(small_run: Path, undisturbed: list[dict], small_disk: Path)
 
 
 @pytest.mark.nightly
-def test_a_full_disk_where_pictures_are_drawn(
-    unfinished: Path,
-    undisturbed: list[dict],
-    small_disk: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    request: pytest.FixtureRequest,
-) -> None:
+def test_a_full_disk_where_pictures_are_drawn(unfinished, undisturbed, small_disk, monkeypatch, request):
     monkeypatch.setenv("TMPDIR", str(small_disk))
     POOL.keep(0)  # workers that are started now draw there
     request.addfinalizer(lambda: POOL.keep(0))
@@ -207,7 +199,7 @@ def test_a_full_disk_where_pictures_are_drawn(
     assert rows(unfinished, out) == undisturbed
 
 
-def test_a_folder_that_cannot_be_written(finished: Path, undisturbed: list[dict], small_disk: Path) -> None:
+def test_a_folder_that_cannot_be_written(finished, undisturbed, small_disk):
     out = small_disk / "out"
     remount(small_disk, "ro")
     with pytest.raises(FingerpadError, match=r"cannot (be written|make this folder).*choose another"):
@@ -221,7 +213,7 @@ def test_a_folder_that_cannot_be_written(finished: Path, undisturbed: list[dict]
 
 
 @pytest.mark.nightly
-def test_the_store_is_damaged_while_the_run_goes_on(unfinished: Path, undisturbed: list[dict]) -> None:
+def test_the_store_is_damaged_while_the_run_goes_on(unfinished, undisturbed):
     out = unfinished.parent / "out"
     store, done = out / STORE_NAME, study_status(unfinished, out).done
 

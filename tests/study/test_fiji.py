@@ -71,7 +71,7 @@ def table(folder: Path, text: str, name: str = "Results.csv") -> Path:
 
 
 @pytest.mark.parametrize("tilt", [-80.0, 20.0, 90.0])
-def test_a_table_in_px_gives_the_ellipse_that_was_drawn(tmp_path: Path, tilt: float) -> None:
+def test_a_table_in_px_gives_the_ellipse_that_was_drawn(tmp_path, tilt):
     row = {"Label": "print.tif", **fiji_row(ellipse_mask(tilt)), "Slice": 1}
     (found,) = read_results_table(table(tmp_path, as_table([row])))
     assert_allclose([found.semi_major, found.semi_minor], [SEMI_MAJOR, SEMI_MINOR], rtol=2e-3)
@@ -80,7 +80,7 @@ def test_a_table_in_px_gives_the_ellipse_that_was_drawn(tmp_path: Path, tilt: fl
 
 
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), ("\t", ","), (";", ",")])
-def test_any_separator_and_decimal_reads_the_same(tmp_path: Path, separator: str, decimal: str) -> None:
+def test_any_separator_and_decimal_reads_the_same(tmp_path, separator, decimal):
     row = {"Label": "a", **fiji_row(ellipse_mask(10), PX_MM)}
     for encoding in ("utf-8", "utf-8-sig", "cp1252"):
         path = tmp_path / f"Results_{encoding}.xls"
@@ -89,7 +89,7 @@ def test_any_separator_and_decimal_reads_the_same(tmp_path: Path, separator: str
         assert_allclose([2 * found.semi_major, 2 * found.semi_minor], [row["Major"], row["Minor"]], atol=1e-3)
 
 
-def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
+def test_rows_of_summarize_are_left_out(tmp_path):
     rows = [{"Label": f"p{n}", "Major": 14.0 + n, "Minor": 10.0} for n in range(3)]
     ends = [{"Label": name, "Major": 0.5, "Minor": 1.0} for name in ("Mean", "SD", "Min", "Max")]
     found = read_results_table(table(tmp_path, as_table(rows + ends)))
@@ -110,12 +110,12 @@ def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
         ("PK\x03\x04 \x00", "is no XLSX workbook, or a damaged one: save it as CSV"),
     ],
 )
-def test_tables_that_are_none_are_refused(tmp_path: Path, content: str, message: str) -> None:
+def test_tables_that_are_none_are_refused(tmp_path, content, message):
     with pytest.raises(ManifestError, match=message):
         read_results_table(table(tmp_path, content))
 
 
-def test_an_area_that_is_not_the_ellipse_s_is_doubted(tmp_path: Path) -> None:
+def test_an_area_that_is_not_the_ellipse_s_is_doubted(tmp_path):
     (found,) = read_results_table(table(tmp_path, " ,Area,Major,Minor\n1,80,14.8,10\n"))
     assert "Area is 0.69 of the ellipse's" in found.doubts[0]
 
@@ -157,13 +157,13 @@ def roi_file(folder: Path, content: bytes, name: str = "a.roi") -> Path:
 
 @pytest.mark.parametrize("make", [tilted, traced])
 @pytest.mark.parametrize("tilt", [-80.0, 20.0, 90.0])
-def test_tilted_and_traced_rois_give_the_ellipse_that_was_drawn(tmp_path: Path, make, tilt: float) -> None:
+def test_tilted_and_traced_rois_give_the_ellipse_that_was_drawn(tmp_path, make, tilt):
     (found,) = read_rois(roi_file(tmp_path, make(tilt)))
     assert_allclose([found.semi_major, found.semi_minor], [SEMI_MAJOR, SEMI_MINOR], rtol=4e-3)
     assert abs((found.orientation_deg - tilt + 90) % 180 - 90) < 0.2
 
 
-def test_ovals_are_upright_or_lying(tmp_path: Path) -> None:
+def test_ovals_are_upright_or_lying(tmp_path):
     (lying,) = read_rois(roi_file(tmp_path, oval(10, 20, 292, 196)))
     assert (lying.label, lying.semi_major, lying.semi_minor) == ("drawn", 146, 98)
     assert lying.orientation_deg == 90
@@ -171,7 +171,7 @@ def test_ovals_are_upright_or_lying(tmp_path: Path) -> None:
     assert (upright.semi_major, upright.semi_minor, upright.orientation_deg) == (146.125, 98.25, 0)
 
 
-def test_a_traced_outline_is_the_region_inside_it(tmp_path: Path) -> None:
+def test_a_traced_outline_is_the_region_inside_it(tmp_path):
     blob = np.zeros((60, 80), dtype=bool)
     blob[10:40, 20:70], blob[30:50, 20:40] = True, True
     corners = [(10, 20), (10, 70), (40, 70), (40, 40), (50, 40), (50, 20)]
@@ -194,7 +194,7 @@ def test_a_traced_outline_is_the_region_inside_it(tmp_path: Path) -> None:
         ([(0, 0), (10, 10), (10, 0), (0, 9)], "crosses itself"),
     ],
 )
-def test_outlines_that_are_none_are_refused(corners: list[tuple[float, float]], message: str) -> None:
+def test_outlines_that_are_none_are_refused(corners, message):
     with pytest.raises(ImageError, match=message):
         ellipse_of_polygon(corners)
 
@@ -207,7 +207,7 @@ def zipped(folder: Path, members: dict[str, bytes]) -> Path:
     return path
 
 
-def test_a_set_of_rois_is_read_in_order(tmp_path: Path) -> None:
+def test_a_set_of_rois_is_read_in_order(tmp_path):
     path = zipped(tmp_path, {"b.roi": tilted(0), "a.roi": tilted(90), "c.roi": oval(0, 0, 8, 6)})
     found = read_rois(path)
     assert [ellipse.label for ellipse in found] == ["b", "a", "drawn"]
@@ -228,13 +228,13 @@ def test_a_set_of_rois_is_read_in_order(tmp_path: Path) -> None:
         ({}, "holds no ROIs"),
     ],
 )
-def test_sets_that_are_none_are_refused(tmp_path: Path, members: dict[str, bytes], message: str) -> None:
+def test_sets_that_are_none_are_refused(tmp_path, members, message):
     with pytest.raises(ImageError, match=message):
         read_rois(zipped(tmp_path, members))
     assert [path.name for path in tmp_path.iterdir()] == ["RoiSet.zip"]  # nothing is unpacked
 
 
-def test_broken_zips_and_lost_files_are_refused(tmp_path: Path) -> None:
+def test_broken_zips_and_lost_files_are_refused(tmp_path):
     with pytest.raises(ImageError, match="cannot be read as a zip of ROIs"):
         read_rois(roi_file(tmp_path, b"no zip", "RoiSet.zip"))
     whole = zipped(tmp_path, {"a.roi": tilted(0) * 50}).read_bytes()
@@ -245,7 +245,7 @@ def test_broken_zips_and_lost_files_are_refused(tmp_path: Path) -> None:
             read_rois(tmp_path / name)
 
 
-def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path: Path) -> None:
+def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path):
     random, outcomes = np.random.default_rng(7), set()
     for whole in (tilted(20), traced(20), oval(0, 0, 8, 6)):
         for _ in range(50):
@@ -275,7 +275,7 @@ def study_of(folder: Path) -> Path:
     return write_study(folder, finger("index"), observations_csv="observations.csv")
 
 
-def test_from_fiji_to_results(tmp_path: Path) -> None:
+def test_from_fiji_to_results(tmp_path):
     labels = ("index_30deg_2N.tif", "index_45deg_0p5N.tif")
     rows = [{"Label": label, **fiji_row(ellipse_mask(10))} for label in labels]
     results = table(tmp_path, as_table(rows))
@@ -294,7 +294,7 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
     assert written["semi_major_mm_std"].tolist() == [0.1] * 2
 
 
-def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
+def test_what_is_not_known_is_left_to_a_person(tmp_path):
     results = table(tmp_path, as_table([{"Label": "b.tif", "Major": 14.8, "Minor": 10.0}]))
     study, out = study_of(tmp_path), tmp_path / "observations.csv"
     words = (results, "--unit", "mm", "--std-mm", 0.1, "--finger", "index", "--out", out)
@@ -311,7 +311,7 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
     assert first_record(run_study(study, tmp_path / "out").rows)["load_N"] == 2
 
 
-def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
+def test_units_are_asked_for_and_agree(tmp_path):
     in_px = table(tmp_path, as_table([{"Label": "a", "Major": 296.0, "Minor": 200.0}]), "px.csv")
     in_um = table(tmp_path, as_table([{"Label": "a", "Major": 14800.0, "Minor": 10000.0}]), "um.csv")
     rois = zipped(tmp_path, {"a.roi": tilted(0)})
@@ -360,7 +360,7 @@ def observations(*ellipses: MeasuredEllipse, **given: object) -> list[ManualObse
         ("{load} N (a+b)", "2 N (a+b)", {"load_N": 2}),
     ],
 )
-def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: dict[str, object]) -> None:
+def test_labels_tell_what_the_pattern_says(pattern, label, reported):
     found = observations(ellipse(label), ellipse("other"), pattern=pattern)
     assert [row.values for row in found] == [reported, {}]
     (row,) = observations(ellipse("S7"), pattern="{person}", known={"finger": "index"})
@@ -374,14 +374,12 @@ def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: d
         (10, 90, "across"), (None, 0, None),
     ],
 )  # fmt: skip
-def test_the_long_axis_is_told_from_the_finger(
-    orientation: float | None, finger_axis: float, long_axis: str | None
-) -> None:
+def test_the_long_axis_is_told_from_the_finger(orientation, finger_axis, long_axis):
     (row,) = observations(ellipse(orientation_deg=orientation), finger_axis_deg=finger_axis)
     assert row.long_axis == long_axis
 
 
-def test_a_scale_s_uncertainty_widens_the_axes() -> None:
+def test_a_scale_s_uncertainty_widens_the_axes():
     given = {"mm_per_unit": 0.05, "semi_axis_mm_std": 0.3, "relative_scale_std": 0.08}
     (row,) = observations(ellipse("a", 100, 100), **given)
     assert (row.semi_major_mm, row.ellipse_mm_std) == pytest.approx((5.0, 0.5))  # 0.3 and 0.4 in quadrature
@@ -403,13 +401,13 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
         ({"mm_per_unit": 25.4, "unit_hint": "it measures in px"}, r"the scale \(it measures in px\)$"),
     ],
 )
-def test_what_cannot_be_meant_is_refused(changed: dict[str, object], message: str) -> None:
+def test_what_cannot_be_meant_is_refused(changed, message):
     error = CalibrationError if "mm_per_unit" in changed else ManifestError
     with pytest.raises(error, match=message):
         observations(ellipse("2N"), **changed)
 
 
-def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -> None:
+def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path):
     labels = ["a b/c.tif:0001-0203", "A B C.TIF:0001-0203", "", "../.."]
     labels += ["ж" * 90, "ж" * 80, "a.tif", "a", "a_2"]
     known = {"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0}

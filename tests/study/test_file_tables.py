@@ -29,14 +29,14 @@ SHARED = (
 )
 
 
-def test_workbook(tmp_path) -> None:
+def test_workbook(tmp_path):
     path = tmp_path / "a.xlsx"
     path.write_bytes(workbook(SHEET, SHARED))
     (row,) = read_file_table(path).rows
     assert (row.file, row.values) == ("IMG_1.png", {"load_N": 0.1, "wedge_angle_deg": 30.0})
 
 
-def test_hostile_workbooks(tmp_path) -> None:
+def test_hostile_workbooks(tmp_path):
     entities = '<!DOCTYPE a [<!ENTITY b "bbbb">]>' + SHEET.replace('<?xml version="1.0"?>', "")
     bad = {
         "entities": workbook(entities, SHARED),
@@ -76,7 +76,7 @@ def test_hostile_workbooks(tmp_path) -> None:
         ("temperature", "20", {}),
     ],
 )
-def test_headers_and_cells(header: str, cell: str, values: FileValues) -> None:
+def test_headers_and_cells(header, cell, values):
     table = parse_file_table(f"Filename\t{header}\na.png\t{cell}")
     assert table.rows[0].values == values
     assert (table.columns[1].meaning is None) == (not values)
@@ -90,7 +90,7 @@ def test_headers_and_cells(header: str, cell: str, values: FileValues) -> None:
         *(("wedge", "100"), ("scale", "500"), ("face", "nose")),
     ],
 )
-def test_a_cell_that_cannot_be_read_is_named(header: str, cell: str) -> None:
+def test_a_cell_that_cannot_be_read_is_named(header, cell):
     row = parse_file_table(f"file,{header},session\na,{cell},1").rows[0]
     assert row.values == {"session": "1"}
     assert len(row.problems) == 1
@@ -105,17 +105,17 @@ def test_a_cell_that_cannot_be_read_is_named(header: str, cell: str) -> None:
         ("file,load\n", "at least one row"),
     ],
 )
-def test_tables_that_cannot_be_joined(text: str, words: str) -> None:
+def test_tables_that_cannot_be_joined(text, words):
     with pytest.raises(ManifestError, match=words):
         parse_file_table(text)
 
 
-def test_hand_and_digit_in_two_columns() -> None:
+def test_hand_and_digit_in_two_columns():
     table = parse_file_table("hand;digit;image\nL;index;1\nright;Thumb;2")
     assert [row.values["finger"] for row in table.rows] == ["left_index", "right_thumb"]
 
 
-def test_join_lists_what_is_unmatched_and_what_is_named_twice() -> None:
+def test_join_lists_what_is_unmatched_and_what_is_named_twice():
     files = ["uploads/a-1.png", "uploads/b.png", "uploads/b.tif", "uploads/c_0.5N.png", "uploads/d.png"]
     table = parse_file_table(
         "file,load\nA (1).PNG,1\nb,2\nb.tif,3\nc_0.5N,4\nd,5\nD.png,6\nnowhere.png,7\n,8"
@@ -127,7 +127,7 @@ def test_join_lists_what_is_unmatched_and_what_is_named_twice() -> None:
     assert found.files_without_row == ["uploads/b.png", "uploads/d.png"]
 
 
-def test_pattern() -> None:
+def test_pattern():
     names = "S01_left_index_45deg_500mN.png", "x/s2_right-thumb_0deg_1,5mN_b.tif"
     others = "S1_LI_100deg_5mN.png", "IMG_1.png"
     found = match_file_names("S{person}_{finger}_{wedge}deg_{load}mN*", [*names, *others])
@@ -144,12 +144,12 @@ def test_pattern() -> None:
         *("*{load}", "{load}" + "x" * 300),
     ],
 )
-def test_patterns_refused(pattern: str) -> None:
+def test_patterns_refused(pattern):
     with pytest.raises(ManifestError):
         match_file_names(pattern, ["a.png"])
 
 
-def test_every_field_of_a_pattern_is_read() -> None:
+def test_every_field_of_a_pattern_is_read():
     values = FileValues()
     for field, text in [("person", "1"), ("finger", "LI"), ("face", "ulnar"), ("wedge", "30"), ("load", "2")]:
         read_value(values, field, text)
@@ -180,7 +180,7 @@ def test_every_field_of_a_pattern_is_read() -> None:
         }),
     ],
 )  # fmt: skip
-def test_what_a_name_says(key, values) -> None:
+def test_what_a_name_says(key, values):
     found = {name: read_file_name(name, "picture", fingers=["my_pad", "pad"]).get(key) for name in values}
     assert found == values
 
@@ -200,7 +200,7 @@ def test_what_a_name_says(key, values) -> None:
         ("notes.txt", "other", None, None),
     ],
 )
-def test_role(name: str, kind: str, role: str | None, face: str | None) -> None:
+def test_role(name, kind, role, face):
     found = read_file_name(f"folder_2N/{name}", kind)
     assert (found.get("role"), found.get("face"), "load_N" not in found) == (role, face, "2N" not in name)
 
@@ -212,7 +212,7 @@ EXAMPLE = ROOT / "examples" / "dzidek2017" / "synthetic"
 REAL = ROOT.parent / "shared" / "data"
 
 
-def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
+def test_example_files_under_names_that_say_nothing(tmp_path):
     expected = {"*.png": "observation", "*.jpg": "photograph", "*.tif": "sequence"}
     for pattern, content in {**expected, "curve*.csv": "curve", "*force.csv": "force"}.items():
         for number, path in enumerate(sorted(EXAMPLE.glob(pattern))):
@@ -224,7 +224,7 @@ def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
                 assert found.face == path.stem.split("_")[1]
 
 
-def test_subjects_of_pictures() -> None:
+def test_subjects_of_pictures():
     """Nothing is taken surely for what it is not; most are recognised."""
     pictures = [
         ("contact", render_contact_image(semi_major=3.2, semi_minor=2.9, seed=1).pixels),
@@ -242,13 +242,13 @@ def test_subjects_of_pictures() -> None:
 
 
 @pytest.mark.parametrize("tip", ["up", "left"])
-def test_a_side_is_told_whichever_way_the_tip_points(tip: str) -> None:
+def test_a_side_is_told_whichever_way_the_tip_points(tip):
     guess = guess_subject(render_finger("radial", tip=tip, mm_per_px=0.08, seed=2).pixels)
     assert next(iter(guess.subjects)) == "finger"
     assert guess.faces["radial"] == guess.faces["ulnar"] > guess.faces["palmar"]
 
 
-def test_shares_sum_to_one_and_fall() -> None:
+def test_shares_sum_to_one_and_fall():
     guess = guess_subject(np.full((80, 90), 200, np.uint8))
     shares = list(guess.subjects.values())
     assert sum(shares) == pytest.approx(1)
@@ -256,7 +256,7 @@ def test_shares_sum_to_one_and_fall() -> None:
     assert shares[0] < 0.9  # blank paper is asked
 
 
-def test_real_prints_are_contact_images() -> None:
+def test_real_prints_are_contact_images():
     paths = sorted(REAL.glob("nist_nbis_livescan_slaps/*index*.png")) + sorted(REAL.glob("nist_minex_ink/a*"))
     if not paths:
         pytest.skip("no real prints on this machine")
@@ -265,7 +265,7 @@ def test_real_prints_are_contact_images() -> None:
         assert (best == "contact" and share >= 0.9) or (path.name == "a999_01p.pgm" and share < 0.9), path
 
 
-def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
+def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path):
     grey = np.full((200, 200), 200, np.uint8)
     cv2.circle(grey, (100, 100), 60, 90, -1)
     for name, content in [("30deg_2N", "observation"), ("palmar", "photograph")]:
@@ -289,7 +289,7 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
         ("", ""),
     ],
 )
-def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
+def test_tables_by_their_headers(tmp_path, text, content):
     path = tmp_path / "data.csv"
     path.write_text(text, encoding="utf-8")
     assert identify_file(path).uses[0] == content
@@ -303,7 +303,7 @@ def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
         ("force_displacement.csv", "curve", True),
     ],
 )
-def test_a_name_that_says_force_gives_a_table_to_a_sequence(tmp_path, name, content, is_sure) -> None:
+def test_a_name_that_says_force_gives_a_table_to_a_sequence(tmp_path, name, content, is_sure):
     (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
     found = identify_file(tmp_path / name)
     assert (found.uses[0], found.sure) == (content, is_sure)

@@ -67,27 +67,16 @@ scale = "reader"
 
 
 ALIKE = "".join(observation(f"p{number}") for number in range(5))
-TEXT_OF_HEADERS = (
-    observation("p0", 'notes = """\n[[observations]]\nname = "p1"\n"""\n')
-    + observation("p1")
-    + observation("p2")
-)
-LISTS_OF_LISTS = (
-    observation("p0") + observation("p1", "region_of_interest_px = [\n[0],\n[1]\n]\n") + observation("p2")
-)
-SUBTABLES = "".join(
-    observation(f"p{number}", "[observations.ellipse_mm]\nsemi_major = 7\n") for number in range(3)
-)
+HEADERS_IN_TEXT = observation("p0", 'notes = """\n[[observations]]\nname = "p1"\n"""\n')
+LISTS_OF_LISTS = observation("p1", "region_of_interest_px = [\n[0],\n[1]\n]\n")
+SUBTABLES = "".join(observation(f"p{k}", "[observations.ellipse_mm]\nsemi_major = 7\n") for k in range(3))
 MANIFESTS = {
     "no_last_line_break": (HEAD + FINGERS + CURVES + ALIKE).rstrip(),
-    "text_of_headers": HEAD + FINGERS + TEXT_OF_HEADERS + CURVES,
-    "lists_of_lists": HEAD + FINGERS + LISTS_OF_LISTS + CURVES,
+    "headers_in_text": HEAD + FINGERS + HEADERS_IN_TEXT + observation("p1") + observation("p2") + CURVES,
+    "lists_of_lists": HEAD + FINGERS + observation("p0") + LISTS_OF_LISTS + observation("p2") + CURVES,
     "subtables": HEAD + SUBTABLES + FINGERS + CURVES,
     "mixed": HEAD + observation("p0") + FINGERS + observation("p1") + observation("p2") + CURVES,
-    "odd_headers": HEAD
-    + FINGERS
-    + observation("p0")
-    + observation("p1").replace("[[o", '[["o').replace("s]]", 's"]]'),
+    "odd_headers": HEAD + FINGERS + ALIKE.replace("[[o", '[["o').replace("ns]]", 'ns"]]'),
     "no_names": HEAD + FINGERS + ALIKE.replace('"p1"', "1").replace('"p2"', '["p2"]') + CURVES,
     "empty_tables": HEAD + "[[observations]]\n[[observations]]\n[[fingers]]\n" + ALIKE,
     "marked": HEAD + "# left out: 0\n" + FINGERS + ALIKE,

@@ -13,7 +13,7 @@ from fingerpad.study.journal import JOURNAL_NAME, recover, replace_files
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path) -> Path:
     folder = tmp_path / "study"
     folder.mkdir()
     for name in "abc":
@@ -25,7 +25,7 @@ def contents(folder: Path) -> dict[str, str]:
     return {path.name: path.read_text() for path in folder.iterdir() if path.suffix != ".lock"}
 
 
-def test_files_are_replaced_and_made(folder: Path) -> None:
+def test_files_are_replaced_and_made(folder):
     replace_files(folder, {"a": "new", "d": "\u00e9\r\n"})
     assert (folder / "d").read_bytes() == b"\xc3\xa9\r\n"
     (folder / "d").unlink()
@@ -40,7 +40,7 @@ def replace_on_a_full_disk(folder: Path) -> None:
     assert error.value.errno == errno.EFBIG
 
 
-def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder: Path) -> None:
+def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder):
     before = contents(folder)
     process = multiprocessing.get_context("fork").Process(target=replace_on_a_full_disk, args=(folder,))
     process.start()
@@ -61,7 +61,7 @@ def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder: Path) -> 
         '{"replace": ["/"]}',
     ],
 )
-def test_a_journal_that_is_damaged_or_leads_out_is_refused(folder: Path, content: str) -> None:
+def test_a_journal_that_is_damaged_or_leads_out_is_refused(folder, content):
     (folder.parent / "outside").write_text("kept")
     (folder.parent / ".outside.new").write_text("would replace it")
     (folder / "link").symlink_to(folder.parent)

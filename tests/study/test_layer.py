@@ -167,7 +167,7 @@ def solved_press() -> tuple[PchipInterpolator, PchipInterpolator]:
 
 
 @pytest.fixture(scope="module")
-def pressed(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
+def pressed(tmp_path_factory) -> tuple[StudyResult, Path]:
     """A press of the pad on 8 mm of tissue of 50 kPa, with noise: first contact at 0.3 mm."""
     folder, rng = tmp_path_factory.mktemp("pressed"), np.random.default_rng(1)
     depth = np.linspace(-0.3, 1.8, 160)

@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 from tests.studies import Table, curve, finger, picture, sequence, study_of, write_study
@@ -55,14 +54,14 @@ def beside(folder: Path, *lines: str, encoding: str = "utf-8") -> Path:
     return write(folder, BESIDE)
 
 
-def test_a_complete_row_of_a_spreadsheet_is_kept_once(tmp_path: Path) -> None:
+def test_a_complete_row_of_a_spreadsheet_is_kept_once(tmp_path):
     loaded = load_study(beside(tmp_path, HEADER, "a,index,30,2,7.4,5,0.1", "b,index,30,,7.4,5,0.1"))
     complete, lacking = (one for one in loaded.tables if one.kind == "observation")
     assert (complete.content, complete.model) == ({}, loaded.study.observations[0])
     assert lacking.content["wedge_angle_deg"] == "30"
 
 
-def test_rows_may_come_from_a_spreadsheet_besides(tmp_path: Path) -> None:
+def test_rows_may_come_from_a_spreadsheet_besides(tmp_path):
     path = beside(
         tmp_path, f"{HEADER},synthetic", f"{CELLS},true", f"{CELLS.replace('b', 'c')},", encoding="utf-8-sig"
     )
@@ -133,10 +132,7 @@ def press(keys: str) -> str:
             pad(*(f'face = "{face}", {SAME_FILE}' for face in ("palmar", "distal"))),
             r"fingers\[0\]: the photograph study.toml is named 2 times: copy",
         ),
-        (
-            press_curve("loading_radius_mm_std = 3"),
-            "curves.0.: there is no use for loading_radius_mm_std",
-        ),
+        (press_curve("loading_radius_mm_std = 3"), "curves.0.: there is no use for loading_radius_mm_std"),
         (press_curve("thickness_mm = 0"), "curves.0..thickness_mm: expected"),
         (press_curve("thickness_mm = inf\nthickness_mm_std = 1"), "no use for thickness_mm_std"),
         (press_curve('scale = "other"'), "no scale is named 'other'"),
@@ -191,7 +187,7 @@ def press(keys: str) -> str:
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
     ],
 )
-def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message: str) -> None:
+def test_names_file_key_and_what_was_expected(tmp_path, text, message):
     with pytest.raises(ManifestError, match=f"(?m){message}") as caught:
         read_study(write(tmp_path, text))
     assert all(line.startswith(("study.toml: ", str(tmp_path))) for line in str(caught.value).splitlines())
@@ -219,13 +215,13 @@ def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message
         (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
     ],
 )
-def test_names_the_line_of_a_spreadsheet(tmp_path: Path, text: str, message: str) -> None:
+def test_names_the_line_of_a_spreadsheet(tmp_path, text, message):
     with pytest.raises(ManifestError, match=message):
         read_study(beside(tmp_path, text))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252"])
-def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, encoding: str) -> None:
+def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path, encoding):
     header = "Name;Finger;Wedge angle (deg);Load [N];Semi major (mm);semi_minor_mm;ellipse_mm_std;notes"
     cells = "b;index;22,5;0,5;5,3;4;0,1;größer, als 1,5 N"
     (row,) = read_study(beside(tmp_path, header, cells, encoding=encoding)).observations
@@ -233,7 +229,7 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, e
     assert row.notes == "größer, als 1,5 N"
 
 
-def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path: Path) -> None:
+def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path):
     head = "name;finger;wedge_angle_deg;Load (mN);semi_major_mm;semi_minor_mm;ellipse_mm_std"
     cells = "b;index;45;300;5,3;4;0,1"
     path = beside(tmp_path, head, cells, "c;index;45;1500,5;5,3;4;0,1")
@@ -245,13 +241,13 @@ def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path: Path) -> None:
         read_study(beside(tmp_path, head, cells.replace("300", "much")))
 
 
-def test_a_workbook_of_observations_is_refused_since_its_rows_are_edited(tmp_path: Path) -> None:
+def test_a_workbook_of_observations_is_refused_since_its_rows_are_edited(tmp_path):
     (tmp_path / "rows.xlsx").write_bytes(workbook(sheet_xml([HEADER.split(","), CELLS.split(",")])))
     with pytest.raises(ManifestError, match="rows.xlsx: is no CSV, the rows of which can be edited: save it"):
         read_study(write(tmp_path, BESIDE.replace("rows.csv", "rows.xlsx")))
 
 
-def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
+def test_spreadsheets_may_be_untidy(tmp_path):
     last = 'c,index,45,2,,,,rows.csv,500,"250, 200"'
     path = beside(tmp_path, f"{HEADER},file,ppi,seed_px,,", f"{CELLS},,,,,", ",,,,,,,,,,", last)
     study = read_study(write(path.parent, "\ufeff" + BESIDE))
@@ -261,7 +257,7 @@ def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("make", [lambda p: None, lambda p: p.write_bytes(b"\xff\xff")])
-def test_manifests_that_cannot_be_read(tmp_path: Path, make: Any) -> None:
+def test_manifests_that_cannot_be_read(tmp_path, make):
     path = tmp_path / "study.toml"
     make(path)
     with pytest.raises(ManifestError, match="study.toml: (no such file|cannot be read)"):
@@ -288,7 +284,7 @@ LINE = {"line": [[0, 0], [0, 9]], "length_mm": 1, "ends_px_std": 1}
         ({"load_relative_std": 0.1, "poisson_ratio_std": 0.02}, LINE, []),
     ],
 )
-def test_says_what_is_taken_as_exact(stated: dict, scale: object, exact: list) -> None:
+def test_says_what_is_taken_as_exact(stated, scale, exact):
     def taken(*more: Table, **pad: float) -> list[str]:
         tables = finger(**pad), picture("o", "a.png", scale=scale), *more
         return study_of(*tables, uncertainty=stated, scales={"reader": {"ppi": 500}}).taken_as_exact()
@@ -307,7 +303,7 @@ def test_says_what_is_taken_as_exact(stated: dict, scale: object, exact: list) -
         ({"wedge_angle_deg_std": 3, "roll_angle_deg_std": 1}, []),
     ],
 )
-def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(stated: dict, assumed: list) -> None:
+def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(stated, assumed):
     assert study_of(finger(), uncertainty=stated).assumed() == assumed
 
 
@@ -322,7 +318,7 @@ FILES = (
 
 
 @pytest.fixture
-def study(tmp_path: Path) -> Path:
+def study(tmp_path) -> Path:
     """A study, and a folder `outside` beside it that holds the same files."""
     folder = tmp_path / "study"
     (folder / "frames").mkdir(parents=True)
@@ -344,7 +340,7 @@ def study(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_a_link_out_of_the_study_is_refused_by_name(study: Path, file: str) -> None:
+def test_a_link_out_of_the_study_is_refused_by_name(study, file):
     (study / file).unlink()
     (study / file).symlink_to(study.parent / "outside" / file)
     with pytest.raises(ManifestError, match=f"'{file}'.* leaves the study folder; copy the file into it"):
@@ -352,7 +348,7 @@ def test_a_link_out_of_the_study_is_refused_by_name(study: Path, file: str) -> N
 
 
 @pytest.mark.parametrize("name", [*(file for file in FILES if "/" not in file), "frames"])
-def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str) -> None:
+def test_a_file_behind_a_linked_folder_is_refused_by_name(study, name):
     (study / "more").symlink_to(study.parent / "outside")
     text = (study / "study.toml").read_text()
     (study / "study.toml").write_text(text.replace(f'"{name}"', f'"more/{name}"'))
@@ -360,7 +356,7 @@ def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str
         read_study(study / "study.toml")
 
 
-def test_links_within_the_study_are_followed(study: Path) -> None:
+def test_links_within_the_study_are_followed(study):
     (study / ".data").mkdir()
     for name in ("a.png", "frames", "frames/f2.png"):
         stored = study / ".data" / name.replace("/", "-")
@@ -369,7 +365,7 @@ def test_links_within_the_study_are_followed(study: Path) -> None:
     assert read_study(study / "study.toml").sequences[0].file == "frames"
 
 
-def test_a_folder_that_nothing_names_may_link_anywhere(study: Path) -> None:
+def test_a_folder_that_nothing_names_may_link_anywhere(study):
     (study / "notes").symlink_to(study.parent / "outside")
     assert read_study(study / "study.toml").sequences
     assert (study / "notes").is_dir()

@@ -42,7 +42,7 @@ def section(folder: Path, stated: dict[str, object]) -> MethodsRecord:
     return methods_section(study(folder, stated))
 
 
-def test_everything_stated_is_said(tmp_path: Path) -> None:
+def test_everything_stated_is_said(tmp_path):
     found = section(tmp_path, STATED)
     text = " ".join(found.paragraphs)
     assert len(found.missing) == 1  # no contact was repeated
@@ -63,7 +63,7 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
     assert summary_of(tmp_path / "out")["methods"]["missing"] == list(found.missing)
 
 
-def test_a_finger_measured_in_two_ways_is_not_counted_as_two(tmp_path: Path) -> None:
+def test_a_finger_measured_in_two_ways_is_not_counted_as_two(tmp_path):
     names = ("thumb_ellipse", "thumb_direct")
     result = run(tmp_path, *map(finger, names), *(contact(f"at_{name}", 1, finger=name) for name in names))
     first = methods_section(result).paragraphs[0]
@@ -71,7 +71,7 @@ def test_a_finger_measured_in_two_ways_is_not_counted_as_two(tmp_path: Path) -> 
     assert "fingers" not in first
 
 
-def test_what_is_not_stated_is_missing(tmp_path: Path) -> None:
+def test_what_is_not_stated_is_missing(tmp_path):
     found = section(tmp_path, {})
     assert len(found.missing) == len(STATED) + 1
     for key in STATED:

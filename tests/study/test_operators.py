@@ -25,7 +25,7 @@ def second(manifest: Path, item: str, change: dict, who: str = "bob") -> None:
     correct(manifest.parent, item, change, who=who, name=SECOND_OPERATOR_NAME)
 
 
-def test_two_persons_outlines_are_compared(finished: Path) -> None:
+def test_two_persons_outlines_are_compared(finished):
     for k in range(3):
         correct(finished.parent, f"o{k}", ellipse(40, 30))
     second(finished, "o0", ellipse(44, 30))
@@ -60,7 +60,7 @@ def test_two_persons_outlines_are_compared(finished: Path) -> None:
     assert SECOND_OPERATOR_NAME in verified.intact
 
 
-def test_what_is_no_second_opinion_is_left_out(finished: Path) -> None:
+def test_what_is_no_second_opinion_is_left_out(finished):
     correct(finished.parent, "o0", ellipse(40, 30))
     second(finished, "o0", ellipse(41, 30), "anna")  # the same person
     correct(finished.parent, "o1", {"rejected": "smeared"})
@@ -77,7 +77,7 @@ def test_what_is_no_second_opinion_is_left_out(finished: Path) -> None:
     assert (pair.observation, pair.first_operator) == ("o3", "anna")
 
 
-def test_random_order_takes_every_part_of_a_study_alike() -> None:
+def test_random_order_takes_every_part_of_a_study_alike():
     names = [f"print_{k}" for k in range(400)]
     order = blind_order(names)
     assert sorted(order) == sorted(names)

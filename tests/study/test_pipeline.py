@@ -37,14 +37,14 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
 
 @pytest.fixture(scope="module")
-def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
+def demo(run_demo, tmp_path_factory) -> tuple[StudyResult, Path]:
     out = tmp_path_factory.mktemp("demo") / "results"
     shutil.copytree(run_demo / "results", out)
     result = run_study(EXAMPLE / "study.toml", out)  # from what is stored
     return result, out
 
 
-def test_measures_the_rendered_pad_as_it_is(demo) -> None:
+def test_measures_the_rendered_pad_as_it_is(demo):
     result, _ = demo
     rows = rows_by(result)
     truths = rows_of(EXAMPLE / "synthetic" / "truth.csv")
@@ -59,7 +59,7 @@ def test_measures_the_rendered_pad_as_it_is(demo) -> None:
         assert abs(row["reduced_modulus_kpa"] - 90) < 3.5 * row["reduced_modulus_kpa_std"]
 
 
-def test_measures_the_photographs_and_the_curve(demo) -> None:
+def test_measures_the_photographs_and_the_curve(demo):
     result, _ = demo
     pad = result.fingers["synthetic_pad"]
     assert_allclose(pad.semi_axes, [7.9, 13.8, 11.8], rtol=0.01)
@@ -76,7 +76,7 @@ def test_measures_the_photographs_and_the_curve(demo) -> None:
     assert abs(loading.value - 13.6248 * 0.99986) < 3 * loading.std < 0.7
 
 
-def test_the_rows_of_dzidek2017_hold_its_numbers(demo) -> None:
+def test_the_rows_of_dzidek2017_hold_its_numbers(demo):
     result, _ = demo
     rows = rows_by(result)
     expected = {
@@ -96,7 +96,7 @@ def test_the_rows_of_dzidek2017_hold_its_numbers(demo) -> None:
     assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
 
 
-def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo) -> None:
+def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo):
     result, _ = demo
     keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]
     assert len(keys) == len(set(keys)) == 6
@@ -109,7 +109,7 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo) -> None:
     assert abs(found.value - truth) < 2 * found.std
 
 
-def test_tables_agree_with_each_other(demo) -> None:
+def test_tables_agree_with_each_other(demo):
     result, out = demo
     table = rows_of(out / "results.csv")
     records = json.loads((out / "results.json").read_text())
@@ -129,7 +129,7 @@ def test_tables_agree_with_each_other(demo) -> None:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
 
-def test_each_column_is_filled_by_some_study(demo, small_study: Path, tmp_path: Path) -> None:
+def test_each_column_is_filled_by_some_study(demo, small_study, tmp_path):
     """By the demo study, or by one whose rows are rejected, left out, cut, repeated and out of range."""
     folder = Path(shutil.copytree(small_study.parent, tmp_path / "study"))
     with Image.open(folder / "o0.png") as whole:
@@ -155,7 +155,7 @@ def test_each_column_is_filled_by_some_study(demo, small_study: Path, tmp_path: 
     assert set(COLUMNS) - filled == set()
 
 
-def test_a_bad_image_costs_its_row_only(run_demo: Path, tmp_path: Path, demo) -> None:
+def test_a_bad_image_costs_its_row_only(run_demo, tmp_path, demo):
     copy = Path(shutil.copytree(run_demo, tmp_path / "study"))
     bad = copy / "synthetic"
     (bad / "synthetic_30deg_1N.png").write_bytes((bad / "synthetic_30deg_1N.png").read_bytes()[:2000])
@@ -204,7 +204,7 @@ def run(folder: Path, *tables: Table) -> StudyResult:
     ("file", "out"),
     [("overlays/a.png", "."), ("sub/overlays/a.png", "sub"), ("a.png", "study.toml"), ("a.png", "a.png")],
 )
-def test_results_are_never_written_over_inputs(tmp_path: Path, file: str, out: str) -> None:
+def test_results_are_never_written_over_inputs(tmp_path, file, out):
     (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / file)
     before = (tmp_path / file).read_bytes()
@@ -215,7 +215,7 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, file: str, out: s
     assert (tmp_path / file).read_bytes() == before
 
 
-def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
+def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path):
     truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
@@ -232,7 +232,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     assert "shown, not pooled" in page_of(only, tmp_path / "out")
 
 
-def test_slips_of_units_are_noted(tmp_path: Path) -> None:
+def test_slips_of_units_are_noted(tmp_path):
     heavy = contact("x", 2000)
     assert "implausible_modulus" in first_record(run(tmp_path, heavy).rows)["range_notes"]
     small = finger(semi_axes_mm={name: axis / 10 for name, axis in PAD.items()})
@@ -242,7 +242,7 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
     assert "deeper_than_pad" in notes
 
 
-def test_a_study_through_a_link_and_by_its_folder(tmp_path: Path) -> None:
+def test_a_study_through_a_link_and_by_its_folder(tmp_path):
     (tmp_path / "mine").mkdir()
     real = write(tmp_path / "real", contact("x", 1)).rename(tmp_path / "real" / "other.toml")
     (tmp_path / "mine" / "study.toml").symlink_to(real)
@@ -251,7 +251,7 @@ def test_a_study_through_a_link_and_by_its_folder(tmp_path: Path) -> None:
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
-def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:
+def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
     pad = finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in PAD.items()})
     touched = contact("x", 1, (0.0074, 0.005), std=1e-4, axis="")
     result = run_study(write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")

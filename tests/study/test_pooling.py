@@ -38,7 +38,7 @@ def study(
     return studies.run(folder, studies.finger(std=axes_std), *contacts, uncertainty=STATED)
 
 
-def test_what_the_pad_is_does_not_average_away(tmp_path: Path) -> None:
+def test_what_the_pad_is_does_not_average_away(tmp_path):
     one, many = study(tmp_path, majors=[7.0], loads=[1]), study(tmp_path, majors=[7.0] * 30, loads=[1] * 30)
     (alone,), (pooled,) = (result.summaries for result in (one, many))
     geometry = first_record(one.rows)["mean_curvature_radius_mm_std"]
@@ -48,7 +48,7 @@ def test_what_the_pad_is_does_not_average_away(tmp_path: Path) -> None:
     )
 
 
-def test_the_budget_adds_up_and_names_the_largest(tmp_path: Path) -> None:
+def test_the_budget_adds_up_and_names_the_largest(tmp_path):
     (summary,) = study(tmp_path).summaries
     budget = summary.corrected_radius.budget
     assert set(budget) == {*PAD_SOURCES, "scatter"}
@@ -59,7 +59,7 @@ def test_the_budget_adds_up_and_names_the_largest(tmp_path: Path) -> None:
     assert exact.corrected_radius.budget["semi-axes"] < 1e-6 < budget["semi-axes"]
 
 
-def test_scatter_enters_the_budget_and_that_of_repeats_and_of_loads_apart(tmp_path: Path) -> None:
+def test_scatter_enters_the_budget_and_that_of_repeats_and_of_loads_apart(tmp_path):
     (summary,) = study(tmp_path, majors=(9.0, 7.0, 5.2), std=0.001).summaries
     pooled = summary.corrected_radius
     assert pooled.fixed.birge_ratio > 3
@@ -71,7 +71,7 @@ def test_scatter_enters_the_budget_and_that_of_repeats_and_of_loads_apart(tmp_pa
     assert components["load"].std > 0.05
 
 
-def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> None:
+def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path):
     """Of two contacts whose elongations scatter as stated: the mean of their radii is larger."""
 
     def measured(elongations: list[float]) -> StudyResult:
@@ -90,13 +90,13 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> Non
 
 
 @pytest.mark.nightly
-def test_contacts_that_came_out_round_do_not_count_for_more() -> None:
+def test_contacts_that_came_out_round_do_not_count_for_more():
     found = pooling.contacts(10, 0.1, 0.39, repeats=80)
     assert (np.abs(found.bias) < 0.45).all()  # known to 0.11; −1.6 with the weights of what is stated
     assert (found.covered > 0.86).all()
 
 
-def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
+def test_the_close_look_agrees_with_the_row(tmp_path):
     result = study(tmp_path)
     (check,) = result.checks
     row = first_record(result.rows)  # the largest load
@@ -148,13 +148,13 @@ def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
     ("of_finger", "of_contact", "is_shared"),
     [("a", "a", True), ("a", "b", False), ("a", None, False), (None, "a", False), (None, None, False)],
 )
-def test_only_one_and_the_same_named_scale_is_shared(of_finger, of_contact, is_shared) -> None:
+def test_only_one_and_the_same_named_scale_is_shared(of_finger, of_contact, is_shared):
     inputs = contact_inputs(STUDY, {"f": finger(of_finger)}, [contact(0, of_contact)])
     found = inputs.covariance[0, inputs.places(SEMI_AXES), inputs.places(["image_scale"])]
     np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
 
 
-def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
+def test_the_close_look_takes_a_shared_scale_as_one_source():
     """Sobol indices are of independent sources, which semi-axes and scale are no longer."""
     rows = modelled(contact(0, "a"), scale="a")
     (highest,) = rows.highest_load.values()
@@ -168,7 +168,7 @@ def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
     assert check.simulated_std == pytest.approx(check.std, rel=0.05)
 
 
-def test_stated_uncertainties_of_angles_are_degrees() -> None:
+def test_stated_uncertainties_of_angles_are_degrees():
     stated = {"wedge_angle_deg_std": 0.5, "roll_angle_deg_std": 3.0}
     study = studies.study_of(studies.finger(), uncertainty=stated)
     inputs = contact_inputs(study, {"f": finger(None)}, [contact(0)])
@@ -176,7 +176,7 @@ def test_stated_uncertainties_of_angles_are_degrees() -> None:
     assert np.degrees(stds) == pytest.approx([0.5, 3.0])
 
 
-def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
+def test_the_scale_is_not_counted_twice_in_the_ellipse():
     inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a")])
     places = inputs.places(["contact_radius", "elongation"])
     expected = np.hypot(0.1 / 7, 0.1 / 5)
@@ -188,7 +188,7 @@ def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
 EDGE = {"covariance_mm2": 0.01 * np.eye(2) + 0.3**2, "relative_scale_std": 0.0, "edge_offset_mm_std": 0.3}
 
 
-def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
+def test_the_edge_is_not_counted_twice_in_the_ellipse():
     inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a", **EDGE)])
     assert inputs.std[0, inputs.places(["edge_offset", "elongation"])] == pytest.approx(
         [0.3, np.hypot(0.1 / 7, 0.1 / 5)], rel=1e-9
@@ -206,7 +206,7 @@ def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
     ("scales", "sizes"),
     [("aaa", [3]), ("abb", [1, 2]), ((None, None, None), [3]), (("a", None, None), [1, 2])],
 )
-def test_images_of_one_device_share_its_edge(scales, sizes) -> None:
+def test_images_of_one_device_share_its_edge(scales, sizes):
     seen = [contact(0, scale, **EDGE) for scale in scales]
     exact = replace(finger(None), covariance=1e-12 * np.eye(3))
     rows = model_contacts(STUDY, {"f": exact}, seen)
@@ -221,7 +221,7 @@ def test_images_of_one_device_share_its_edge(scales, sizes) -> None:
     ("scales", "sizes"),
     [("aaa", [3]), ("abb", [1, 2]), ((None, None, None), [1, 1, 1]), (("a", None, None), [1, 1, 1])],
 )
-def test_contacts_share_the_error_of_a_scale_that_they_name(scales, sizes) -> None:
+def test_contacts_share_the_error_of_a_scale_that_they_name(scales, sizes):
     seen = [contact(0, scale, covariance_mm2=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
     rows = with_parts(modelled(*seen), {("image scale", 0): 0.3, ("contact ellipse", 1): 0.4})
     found = pooled(rows, [0, 1, 2]).fixed
@@ -230,7 +230,7 @@ def test_contacts_share_the_error_of_a_scale_that_they_name(scales, sizes) -> No
     assert found.total_std == pytest.approx(np.hypot(found.std, shared))
 
 
-def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> None:
+def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties():
     plain, stds = modelled(*map(contact, (0, 4, 8))), np.array([0.01, 0.02, 0.05])
     rows = with_parts(plain, {("contact ellipse", 1): 0.1}, elongation_std=stds)
     radii = rows.table[f"{OUTPUT}_mm"].to_numpy()
@@ -240,7 +240,7 @@ def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> N
     assert found.value != pytest.approx(radii.mean(), abs=1e-3)
 
 
-def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
+def test_a_fixed_geometry_leaves_out_the_geometry_only():
     second_order = {(GEOMETRY[0], -1): 0.5, ("Poisson's ratio", -1): 0.3, ("contact ellipse", -1): 0.4}
     rows = with_parts(modelled(contact(0), contact(1)), second_order, elongation_std=np.zeros(2))
     found = pooled(rows, [0, 1])
@@ -264,7 +264,7 @@ def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
         (("low_contrast", "cut_by_mask"), "corrected", False),
     ],
 )
-def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts) -> None:
+def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts):
     rows = modelled(contact(0), contact(1, flags=flags, reviewed=reviewed))
     assert rows.table["status"].tolist() == ["measured", "measured"]
     assert rows.table["pooled"].tolist() == [True, counts]
@@ -280,7 +280,7 @@ def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts) -> None:
         ((), True, "blurred", False),  # what is rejected never counts
     ],
 )
-def test_a_person_decides_what_flags_would(flags, wanted, rejected, counts) -> None:
+def test_a_person_decides_what_flags_would(flags, wanted, rejected, counts):
     pooling = None if wanted is None else {"include": wanted, "why": "seen"}
     change = ContactCorrection.model_validate({"pooling": pooling, "rejected": rejected})
     said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling_who="A" if pooling else "")
@@ -297,14 +297,14 @@ def test_a_person_decides_what_flags_would(flags, wanted, rejected, counts) -> N
 @pytest.mark.parametrize(
     ("flags", "counts"), [(("several_regions",), True), (("several_regions", "poor_ellipse"), False)]
 )
-def test_a_seed_says_which_of_several_regions_is_meant(flags: tuple[str, ...], counts: bool) -> None:
+def test_a_seed_says_which_of_several_regions_is_meant(flags, counts):
     where, measured = contact(0, flags=flags)
     seeded = where.model_copy(update={"seed_px": (5.0, 5.0)})
     assert (excluding_flags(seeded, measured) == frozenset()) == counts
     assert excluding_flags(where, measured) == set(flags)
 
 
-def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
+def test_an_edge_further_out_makes_the_exponent_smaller():
     """The stated uncertainty is the change that an edge displaced by its own makes."""
     loads, edge = np.array([0.25, 1.0, 4.0]), {"scale": "a", "edge_offset_mm_std": 0.1}
 
@@ -322,7 +322,7 @@ def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
 
 
 @pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])
-def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(tmp_path, loads, is_known) -> None:
+def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(tmp_path, loads, is_known):
     majors = 6.5 * np.array(loads) ** 0.4
     (summary,) = study(tmp_path, majors=majors + [0, 0, 0.1][: len(loads)], loads=loads).summaries
     exponent = area_exponent(summary.rows)

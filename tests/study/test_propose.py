@@ -38,7 +38,7 @@ def empty(tmp_path, *, tables=()):
         ("notes.xyz", "other", {"use": ""}),
     ],
 )
-def test_names(file, kind, known) -> None:
+def test_names(file, kind, known):
     new = named_file(f"uploads/{file}", kind, ())
     assert {key: getattr(new, key) for key in known} == known
     assert new.guessed == ()
@@ -59,7 +59,7 @@ def test_names(file, kind, known) -> None:
         ("curve", 500.0, {"reader": {"ppi": 500}}, ""),
     ],
 )
-def test_guessed_scales(use, ppi, scales, expected) -> None:
+def test_guessed_scales(use, ppi, scales, expected):
     guess = with_scales(Guess(kind="picture", uses=(use,), sure=True, dots_per_inch=ppi), scales)
     new = with_guess(NewFile(file="IMG_0031.png"), guess)
     assert (new.use, new.scale) == (use, expected)
@@ -81,7 +81,7 @@ def test_guessed_scales(use, ppi, scales, expected) -> None:
         ("", None),
     ],
 )
-def test_written_scales(words, written) -> None:
+def test_written_scales(words, written):
     if written is None:
         with pytest.raises(ManifestError, match="500 ppi or 0.05 mm/px"):
             written_scale(words, ["Reader 2"])
@@ -89,7 +89,7 @@ def test_written_scales(words, written) -> None:
         assert written_scale(words, ["Reader 2"]) == written
 
 
-def test_what_is_stated_is_no_guess() -> None:
+def test_what_is_stated_is_no_guess():
     new = NewFile(file="a.png", use="observation", finger="index", guessed=("use", "scale"), scale="500 ppi")
     taken, problem = stated_values(new, {"person": "S7", "face": "distal", "scale": "READER"}, ["reader"])
     known = {"person": "S7", "finger": "S7_index", "face": "distal", "use": "photograph", "scale": "reader"}
@@ -99,7 +99,7 @@ def test_what_is_stated_is_no_guess() -> None:
     assert problem == "no scale of the study is called other"
 
 
-def test_edits(tmp_path) -> None:
+def test_edits(tmp_path):
     """Fingers come first, a shared scale has a name, and a file without a finger waits."""
     known = {"finger": "left_index", "use": "observation", "wedge_angle_deg": 30.0}
     face = {"finger": "left_index", "face": "palmar"}
@@ -151,7 +151,7 @@ def camera_files(tmp_path):
     return tmp_path
 
 
-def test_a_study_begins_from_files(camera_files) -> None:
+def test_a_study_begins_from_files(camera_files):
     started = start_study(camera_files, finger="right_index")
     study = {one.key: one.content for one in load_study(camera_files / "study.toml").tables}
     contact = study["IMG_0031"]
@@ -169,7 +169,7 @@ def test_a_study_begins_from_files(camera_files) -> None:
     assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in started.missing)
 
 
-def test_what_no_finger_is_stated_of_is_left(camera_files) -> None:
+def test_what_no_finger_is_stated_of_is_left(camera_files):
     started = start_study(camera_files)
     assert started.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
     assert "IMG_0031.png" not in started.taken
@@ -181,7 +181,7 @@ def test_what_no_finger_is_stated_of_is_left(camera_files) -> None:
     assert not (camera_files / "study.toml").exists()
 
 
-def test_what_states_a_load_is_a_contact_image(tmp_path) -> None:
+def test_what_states_a_load_is_a_contact_image(tmp_path):
     """In its name or in a spreadsheet; as such also in a folder that could hold frames."""
     shown = ruler_scene(KINDS[0], 3, side=480)
     for folder, names in {
@@ -200,7 +200,7 @@ def test_what_states_a_load_is_a_contact_image(tmp_path) -> None:
     assert not any("taken as" in line for line in started.guesses)
 
 
-def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
+def test_folders_without_files_and_with_a_study_are_refused(tmp_path):
     with pytest.raises(ManifestError, match="holds no picture"):
         start_study(tmp_path)
     assert not (tmp_path / "study.toml").exists()
@@ -213,7 +213,7 @@ def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
         start_study(tmp_path)
 
 
-def test_guesses_say_so() -> None:
+def test_guesses_say_so():
     guess = Guess(
         kind="picture",
         uses=("observation", "photograph"),

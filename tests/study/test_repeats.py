@@ -76,14 +76,14 @@ def repeats(count: int = 4) -> list[tuple[Observation, Measurement]]:
         ({"rejected": "smeared", "pooling": True}, False),
     ],
 )
-def test_which_contacts_are_repeats(other: dict[str, Any], are_repeats: bool) -> None:
+def test_which_contacts_are_repeats(other, are_repeats):
     seen = [contact(0), contact(1, **other)]
     assert contact_repeatability(STUDY, PADS, seen)[False].freedom == are_repeats
     large = {"f": replace(PADS["f"], semi_axes=10 * AXES)}  # of no finger's size
     assert contact_repeatability(STUDY, large, seen)[False].count == 0
 
 
-def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path) -> None:
+def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path):
     """All that is said of repeats speaks of the contacts that are pooled."""
     out, path = tmp_path / "out", manifest(tmp_path, 6)
     outlier = "c5_1"
@@ -105,14 +105,14 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path)
         assert next(stds) == pytest.approx(next(stds))
 
 
-def test_frames_of_a_sequence_are_no_repeats() -> None:
+def test_frames_of_a_sequence_are_no_repeats():
     covariance = {"covariance_mm2": 1e-8 * np.eye(2)}
     frames = [frame(k, (6.97 + 0.1 * k, 5.16), **covariance) for k in range(5)]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
     assert pool_by_load(modelled(*frames, known=BOTH), BOTH) == []
 
 
-def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
+def test_repeatability_reaches_modulus_indentation_and_radius():
     """By Hertz theory E goes with the cube of the contact's radius, ξ with its square."""
     (plain,), (row,) = (records(modelled(contact(0), known=known).table) for known in (NEITHER, BOTH))
     exact = replace(KNOWN, covariance=np.diag([0.02**2, 0.0]))
@@ -133,7 +133,7 @@ def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
         assert row[name] == plain[name]
 
 
-def test_no_contact_counts_for_all_because_of_its_little_noise() -> None:
+def test_no_contact_counts_for_all_because_of_its_little_noise():
     """Without repeatability the contact of the least noise has almost all weight, unless contacts differ."""
     quiet = contact(0, elongation=0.2)
     others = [contact(k, elongation=0.2, covariance_mm2=0.01 * np.eye(2)) for k in (1, 2, 3, 4)]
@@ -148,7 +148,7 @@ def test_no_contact_counts_for_all_because_of_its_little_noise() -> None:
     assert summary.corrected_radius.budget["repeatability"] > 0.5
 
 
-def test_scatter_between_contacts_is_in_the_weights() -> None:
+def test_scatter_between_contacts_is_in_the_weights():
     quiet = contact(0, elongation=0.1)
     others = [
         contact(k, elongation=e, covariance_mm2=0.001 * np.eye(2)) for k, e in enumerate((0.3, 0.4, 0.5), 1)
@@ -161,7 +161,7 @@ def test_scatter_between_contacts_is_in_the_weights() -> None:
     assert pooled.value == pooled.random.value
 
 
-def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
+def test_means_at_each_load_state_what_they_are_uncertain_by():
     rows = modelled(*repeats(4), known=BOTH)
     (at,) = pool_by_load(rows, BOTH)
     areas = rows.table["gross_area_mm2"].to_numpy()
@@ -179,7 +179,7 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     assert np.isnan(at.contact_area_mm2_repeatability_std)
 
 
-def test_a_mean_of_contacts_that_tell_nothing_has_an_interval_of_all_there_is() -> None:
+def test_a_mean_of_contacts_that_tell_nothing_has_an_interval_of_all_there_is():
     nothing = [contact(k, gross_area_mm2_std=1e5) for k in range(3)]
     (at,) = pool_by_load(modelled(*nothing, known=BOTH), BOTH)
     assert np.isfinite(at.contact_area_mm2)
@@ -199,7 +199,7 @@ def manifest(folder: Path, count: int) -> Path:
 
 
 @pytest.mark.parametrize(("count", "known"), [(1, False), (2, False), (3, True)])
-def test_a_run_tables_repeatability_or_says_that_it_is_missing(tmp_path, count, known) -> None:
+def test_a_run_tables_repeatability_or_says_that_it_is_missing(tmp_path, count, known):
     out = tmp_path / "out"
     result = run_study(manifest(tmp_path, count), out)
     (borrowed,) = summary_of(out)["repeatability"]["contact"]
@@ -221,7 +221,7 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(tmp_path, count, 
     assert ("repeatability missing" in section) != known
 
 
-def test_limits_of_agreement_add_what_lies_within() -> None:
+def test_limits_of_agreement_add_what_lies_within():
     """Two sessions of a finger differ by what lies between sessions, and between repeats."""
     rng = np.random.default_rng(9)
     seen = [
@@ -241,7 +241,7 @@ def test_limits_of_agreement_add_what_lies_within() -> None:
     assert lines["finger"].missing == "no person has two fingers under one load"
 
 
-def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> None:
+def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter():
     rng = np.random.default_rng(3)
     areas = 50 * np.exp(rng.normal(0, 0.02, 8))
     seen = [contact(k, ridge_area_mm2=area) for k, area in enumerate(areas)]
@@ -257,7 +257,7 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> Non
     assert np.count_nonzero(areas_of_all == 90) == 4
 
 
-def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
+def test_a_session_measures_nothing_again(tmp_path):
     out, path = tmp_path / "out", manifest(tmp_path, 2)
     run_study(path, out)
     sheet = path.with_name("o.csv")
@@ -272,7 +272,7 @@ STATED = 0.02
 
 @pytest.mark.parametrize("presses", [1, 3])
 @pytest.mark.parametrize("kind", ERRORS)
-def test_the_exponent_of_presses_covers_the_truth_whatever_their_errors(kind: str, presses: int) -> None:
+def test_the_exponent_of_presses_covers_the_truth_whatever_their_errors(kind, presses):
     """Taken as independent, frames of smooth errors covered it in 4 to 40 %."""
     ours, _ = held(kind, presses, repeats=200)
     assert np.mean(ours) > 0.9
@@ -296,7 +296,7 @@ def validity(rows: Rows) -> ValidityRecord:
     return found
 
 
-def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model() -> None:
+def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model():
     exponents: list[Exponent] = []
     for seed in range(12):
         rows = pressed(seed)
@@ -311,7 +311,7 @@ def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model() ->
     assert np.all(std > 0.005)
 
 
-def test_more_frames_of_one_press_say_no_more() -> None:
+def test_more_frames_of_one_press_say_no_more():
     few, many = (area_exponent(pressed(1, frames=frames).table) for frames in (40, 160))
     assert many.std > 0.8 * few.std
     model_std = [
@@ -320,7 +320,7 @@ def test_more_frames_of_one_press_say_no_more() -> None:
     assert model_std[1] == pytest.approx(model_std[0], abs=0.02)
 
 
-def test_more_presses_say_more() -> None:
+def test_more_presses_say_more():
     one, nine = (
         np.median([area_exponent(pressed(s, presses).table).std for s in range(5)]) for presses in (1, 9)
     )

@@ -36,14 +36,14 @@ def make(folder: Path, rows: int = 3, *, title: str = "T", load: float = 1.0) ->
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("study")
     run_study(make(folder), folder / "out")
     return folder
 
 
 @pytest.fixture
-def study(made: Path, tmp_path: Path) -> Path:
+def study(made, tmp_path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "study"))
 
 
@@ -51,7 +51,7 @@ def contents(out: Path) -> dict[str, bytes]:
     return {name: (out / name).read_bytes() for name in (*result_files(out), "SHA256SUMS")}
 
 
-def test_the_list_is_one_that_sha256sum_checks(study: Path) -> None:
+def test_the_list_is_one_that_sha256sum_checks(study):
     done = subprocess.run(
         ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=study / "out", capture_output=True, text=True
     )
@@ -59,7 +59,7 @@ def test_the_list_is_one_that_sha256sum_checks(study: Path) -> None:
     assert set(result_files(study / "out")) >= set(TABLES)
 
 
-def test_what_goes_wrong_while_results_are_written_leaves_the_old_ones(study: Path) -> None:
+def test_what_goes_wrong_while_results_are_written_leaves_the_old_ones(study):
     before = contents(study / "out")
     make(study, rows=5)
 
@@ -123,7 +123,7 @@ def put_and_die(out: Path, step: int) -> int:
         os._exit(0)
 
 
-def test_a_kill_at_any_step_leaves_the_old_results_or_the_new_ones(study: Path, tmp_path: Path) -> None:
+def test_a_kill_at_any_step_leaves_the_old_results_or_the_new_ones(study, tmp_path):
     """Old and new, whole or named as unfinished; what comes next ends as if nothing had happened."""
     out = study / "out"
     put(out, {**dict.fromkeys(TABLES, b"old"), "report.html": b"old", "figures/old.svg": b"old"})
@@ -152,7 +152,7 @@ def test_a_kill_at_any_step_leaves_the_old_results_or_the_new_ones(study: Path, 
     assert step > 15
 
 
-def test_files_that_the_new_results_lack_are_removed_and_others_are_not(study: Path) -> None:
+def test_files_that_the_new_results_lack_are_removed_and_others_are_not(study):
     out = study / "out"
     put(out, NEW)
     (out / "figures" / "mine.svg").write_text("mine")
@@ -176,7 +176,7 @@ def replace_by_that_of_another_run(path: Path, other: Path) -> None:
     "change", [lose_a_row, replace_by_that_of_another_run, lambda path, _: path.unlink()]
 )
 @pytest.mark.parametrize("name", ["results.csv", "summary.json"])
-def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name: str, change) -> None:
+def test_who_reads_results_names_the_file_that_does_not_belong(study, name, change):
     out, table = study / "out", study / "r.mat"
     change(out / name, study / "other")
     status = ("status", study, "--out", out)
@@ -190,20 +190,20 @@ def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name
 
 
 @pytest.mark.parametrize("damage", [b"", b"x", b"\xff\xfe"])
-def test_a_damaged_list_is_named(study: Path, damage: bytes) -> None:
+def test_a_damaged_list_is_named(study, damage):
     path = study / "out" / "SHA256SUMS"
     path.write_bytes(path.read_bytes()[:-30] + damage)
     assert result_set_faults(study / "out")[0].startswith("SHA256SUMS: is damaged")
 
 
-def test_results_without_a_list_are_no_results(study: Path) -> None:
+def test_results_without_a_list_are_no_results(study):
     (study / "out" / "SHA256SUMS").unlink()
     code, _, error = command.run("export", study / "out", study / "r.mat")
     assert code == 2
     assert "results.csv: is there without SHA256SUMS" in error
 
 
-def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
+def test_the_lock_holds_until_the_results_are_in_place(study):
     """Of two runs on one folder one is refused, whatever the other is at."""
     seen: list[str] = []
 
@@ -219,7 +219,7 @@ def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
 
 
 @pytest.mark.usefixtures("small_pieces")
-def test_a_changed_picture_of_the_results_is_drawn_again(finished: Path) -> None:
+def test_a_changed_picture_of_the_results_is_drawn_again(finished):
     out = finished.parent / "out"
     good = (out / "overlays" / "o1.png").read_bytes()
     (out / "overlays" / "o1.png").write_bytes(good[:100])
@@ -229,7 +229,7 @@ def test_a_changed_picture_of_the_results_is_drawn_again(finished: Path) -> None
     assert not os.path.lexists(out / ".drawn")
 
 
-def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Path) -> None:
+def test_files_of_the_results_never_share_a_name(small_study, tmp_path):
     """Photographs whose names differ in what no file name holds, and names of 60 letters of four bytes."""
     manifest = copy(small_study, tmp_path / "study")
     long = "指" * 60
@@ -255,7 +255,7 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     assert set(shown) <= set(result_files(tmp_path / "out"))
 
 
-def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path: Path) -> None:
+def test_each_photograph_keeps_an_overlay_of_its_own(small_study, tmp_path):
     """Whatever its place in the list; what a second run draws changes no file of the first."""
     shutil.copy(small_study.parent / "distal.jpg", tmp_path)
     for number, name in enumerate(("a.png", "b.png", "c.png")):
@@ -282,7 +282,7 @@ def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path
     assert result_set_faults(out) == []
 
 
-def test_no_file_of_a_result_set_is_written_over_another(study: Path) -> None:
+def test_no_file_of_a_result_set_is_written_over_another(study):
     out = study / "out"
     before = contents(out)
 

@@ -34,14 +34,14 @@ def row_of(folder: Path, pressed: Table | None = None, *, pad: Table | None = No
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path) -> Path:
     """Return a folder with a contact image."""
     truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=2)
     Image.fromarray(truth.pixels).save(tmp_path / "print.png")
     return tmp_path
 
 
-def test_one_picture_under_two_names_or_at_two_loads_is_noted(folder: Path) -> None:
+def test_one_picture_under_two_names_or_at_two_loads_is_noted(folder):
     shutil.copy(folder / "print.png", folder / "copy.png")
     copied = shown("y", file="copy.png")
     assert run(folder, finger(), shown(), shown("y", 3)).notes == (
@@ -53,7 +53,7 @@ def test_one_picture_under_two_names_or_at_two_loads_is_noted(folder: Path) -> N
     assert run(folder, finger(), shown(), part).notes == ()
 
 
-def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder: Path) -> None:
+def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder):
     drawn, stated = Image.open(folder / "print.png"), {"ppi": 500}
     for file, ppi in {"a.png": 1000, "b.tif": 1000, "c.bmp": 1000, "d.png": 300, "e.png": 505}.items():
         drawn.save(folder / file, dpi=(ppi, ppi))
@@ -82,14 +82,14 @@ def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder: P
         ({"poisson_ratio_std": 0.02}, {"youngs_modulus_kpa": 0.02 / 0.75}, "reduced_modulus_kpa"),
     ],
 )
-def test_a_stated_uncertainty_moves_what_it_must_and_no_other(tmp_path, stated, moved, unmoved) -> None:
+def test_a_stated_uncertainty_moves_what_it_must_and_no_other(tmp_path, stated, moved, unmoved):
     row = row_of(tmp_path, **stated)
     for name, relative_std in moved.items():
         assert row[f"{name}_std"] / row[name] == pytest.approx(relative_std, rel=1e-3)
     assert row[f"{unmoved}_std"] < 1e-6
 
 
-def test_wedge_angle_by_first_order_and_by_monte_carlo(tmp_path: Path) -> None:
+def test_wedge_angle_by_first_order_and_by_monte_carlo(tmp_path):
     # dR_0g/dθ by the reference numbers: (9.982357 − 13.607666) mm over 15°, steeper than the mean at 30°.
     row, drawn = (row_of(tmp_path, wedge_angle_deg_std=1, **how) for how in ({}, {"method": "monte_carlo"}))
     assert 0.2 < row["mean_curvature_radius_mm_std"] < 0.35
@@ -101,7 +101,7 @@ def test_wedge_angle_by_first_order_and_by_monte_carlo(tmp_path: Path) -> None:
         assert drawn[f"{name}_std"] == pytest.approx(row[f"{name}_std"], rel=0.03)
 
 
-def test_a_named_scale_moves_both_axes_together_and_is_kept_on_the_row(folder: Path) -> None:
+def test_a_named_scale_moves_both_axes_together_and_is_kept_on_the_row(folder):
     exact, named = row_of(folder, shown()), row_of(folder, shown(scale="s"))
     alone = row_of(folder, shown(scale={"ppi": 500, "relative_std": 0.05}))
     # Area and pressure go with the square of the scale; the axis ratio and the corrected radius not at all.
@@ -113,7 +113,7 @@ def test_a_named_scale_moves_both_axes_together_and_is_kept_on_the_row(folder: P
     assert {**named, "scale": None} == alone
 
 
-def test_four_ways_to_say_a_scale(folder: Path) -> None:
+def test_four_ways_to_say_a_scale(folder):
     Image.fromarray(render_coin(radius=120.0, shadow=0.0).pixels).save(folder / "coin.png")
     known, ruler, coined = (
         row_of(folder, shown(scale=scale))
@@ -129,7 +129,7 @@ def test_four_ways_to_say_a_scale(folder: Path) -> None:
     assert coined["mm_per_px_std"] > 0.02 * coined["mm_per_px"]
 
 
-def test_a_coin_in_many_tables_is_measured_once_in_a_run(folder: Path) -> None:
+def test_a_coin_in_many_tables_is_measured_once_in_a_run(folder):
     Image.fromarray(render_coin(radius=120.0, shadow=0.0).pixels).save(folder / "coin.png")
     coin = {"coin": "coin.png", "diameter_mm": 12}
     rows = run(folder, finger(), *(shown(name, scale=coin) for name in "xyz")).rows
@@ -140,7 +140,7 @@ def test_a_coin_in_many_tables_is_measured_once_in_a_run(folder: Path) -> None:
     assert sum(name.startswith("/scale") for name in tasks) == 1
 
 
-def test_a_coin_that_is_not_there_costs_its_rows(folder: Path) -> None:
+def test_a_coin_that_is_not_there_costs_its_rows(folder):
     scales = {"euro": {"coin": "print.png", "diameter_mm": 23.25}}
     result = run(folder, finger(), shown(scale="euro"), scales=scales)
     assert first_record(result.rows)["reason"].startswith("scale euro: print.png: no coin found")
@@ -148,7 +148,7 @@ def test_a_coin_that_is_not_there_costs_its_rows(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(("turn", "side"), [(0, "along"), (30, "along"), (90, "across"), (-80, "across")])
-def test_long_axis_is_told_from_the_finger_not_from_the_picture(folder: Path, turn: float, side: str) -> None:
+def test_long_axis_is_told_from_the_finger_not_from_the_picture(folder, turn, side):
     row = row_of(folder, shown(finger_axis_deg=turn))
     assert row["long_axis"] == side
     assert (row["orientation_deg"] + turn + 90) % 180 - 90 == pytest.approx(0, abs=1.5)
@@ -156,7 +156,7 @@ def test_long_axis_is_told_from_the_finger_not_from_the_picture(folder: Path, tu
 
 @pytest.mark.parametrize("pad", [False, True])
 @pytest.mark.parametrize("seen", [False, True])
-def test_synthetic_if_anything_is(tmp_path: Path, pad: bool, seen: bool) -> None:
+def test_synthetic_if_anything_is(tmp_path, pad, seen):
     row = row_of(tmp_path, given(synthetic=seen), pad=finger(synthetic=pad))
     assert row["synthetic"] == (pad or seen)
 
@@ -171,14 +171,14 @@ def test_synthetic_if_anything_is(tmp_path: Path, pad: bool, seen: bool) -> None
         {"seed_px": [200, 150]},
     ],
 )
-def test_says_who_measured(folder: Path, keys: dict[str, object]) -> None:
+def test_says_who_measured(folder, keys):
     row = row_of(folder, shown(**keys))
     assert row["measured_by"] == ("corrected" if keys else "automatic")
     assert row["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
 
 
 @pytest.mark.parametrize(("load", "notes"), [(0.01, True), (0.03, False), (90, False), (200, True)])
-def test_a_modulus_is_plausible_from_1_to_5000_kpa(tmp_path: Path, load: float, notes: bool) -> None:
+def test_a_modulus_is_plausible_from_1_to_5000_kpa(tmp_path, load, notes):
     row = row_of(tmp_path, given(load=load), pad=finger(pad_thickness_mm=6))
     assert (not 1 < row["youngs_modulus_kpa"] < 5000) == notes
     assert ("implausible_modulus" in row["range_notes"]) == notes

@@ -62,7 +62,7 @@ def press() -> SyntheticSequence:
 
 
 @pytest.fixture(scope="module")
-def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def untouched(press, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("untouched")
     (folder / "frames").mkdir()
     for k in range(LOAD.size):
@@ -78,12 +78,12 @@ def write_force(folder: Path, load: np.ndarray = LOAD, *, since: int = 0, **colu
 
 
 @pytest.fixture(scope="module")
-def plain(untouched: Path) -> StudyResult:
+def plain(untouched) -> StudyResult:
     return run(untouched)
 
 
 @pytest.fixture
-def study_dir(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
+def study_dir(untouched, plain, tmp_path) -> Path:
     """Return the folder of a study with the results of the plain run in ``out``."""
     return Path(shutil.copytree(untouched, tmp_path / "study"))
 
@@ -96,7 +96,7 @@ def run(
     return run_study(folder / "study.toml", folder / "out", on_progress=on_progress)
 
 
-def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSequence) -> None:
+def test_frames_in_contact_become_rows(plain, press):
     rows = rows_by(plain, "frame")
     assert set(range(4, 24)) <= set(rows) <= set(range(3, 25))
     for k, row in rows.items():
@@ -109,7 +109,7 @@ def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSeque
     assert_allclose([row["reduced_modulus_kpa"] for row in records(plain.rows[3:-3])], 90, rtol=0.06)
 
 
-def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain: StudyResult) -> None:
+def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir, plain):
     pooled = [row for row in records(plain.rows) if row["pooled"]]
     assert {row["phase"] for row in pooled} == {"loading"}
     assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
@@ -120,7 +120,7 @@ def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain
     assert 0 < len(chosen) < len(pooled)
 
 
-def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Path) -> None:
+def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
     few, many = (run(study_dir, of_frames(pool_min_load_N=least)) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
@@ -136,7 +136,7 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
     assert two.corrected_radius.std == pytest.approx(all_.corrected_radius.std, rel=0.05)
 
 
-def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) -> None:
+def test_frames_in_contact_without_load_cost_themselves_only(study_dir):
     write_force(study_dir, LOAD - 0.3)
     write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY | {"load_relative_std": 0.01})
     found = list(records(run_study(study_dir / "study.toml", study_dir / "out").rows))
@@ -149,7 +149,7 @@ def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) ->
     assert all(row["youngs_modulus_kpa"] > 0 for row in found if row["load_N"] > 0)
 
 
-def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir: Path) -> None:
+def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir):
     for lost in (7, 8, 9):
         (study_dir / "frames" / f"f{lost}.png").unlink()
     result = run(study_dir)
@@ -164,7 +164,7 @@ def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir: P
     assert not timed.sequences[0].summary.notes
 
 
-def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir: Path) -> None:
+def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir):
     for k in range(7, LOAD.size):  # three frames are lost, and the names do not tell
         frame = study_dir / "frames" / f"f{k}.png"
         frame.rename(frame.with_name(f"f{k - 3}.png")) if k >= 10 else frame.unlink()
@@ -178,7 +178,7 @@ def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir: Path) ->
     )
 
 
-def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
+def test_a_corrupt_frame_is_one_failed_row(study_dir):
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")
     result = run(study_dir)
@@ -193,7 +193,7 @@ def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
 
 
 @pytest.mark.parametrize("torn", [False, True])
-def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Path, torn: bool) -> None:
+def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir, torn):
     """Its force begins after its last frame, or no frame can be read."""
     if torn:
         for frame in (study_dir / "frames").iterdir():
@@ -224,20 +224,14 @@ def no_frames(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("keys", "change", "reason"),
     [
-        (
-            {"frames_per_second": None},
-            None,
-            "frames: pictures state no rate: give frames_per_second",
-        ),
+        ({"frames_per_second": None}, None, "frames: pictures state no rate: give frames_per_second"),
         ({}, torn_header, "force.csv: no column time_s or force_N"),
         ({}, no_frames, "frames: holds no picture"),
         ({"contact_load_N": 9}, None, "the force never rises through 9 N"),
         ({"region_of_interest_px": [900, 0, 990, 90]}, None, "region_of_interest"),
     ],
 )
-def test_a_sequence_that_cannot_be_used_costs_itself_only(
-    study_dir: Path, keys: dict[str, object], change: Callable[[Path], None] | None, reason: str
-) -> None:
+def test_a_sequence_that_cannot_be_used_costs_itself_only(study_dir, keys, change, reason):
     if change:
         change(study_dir)
     reported: list[Progress] = []
@@ -250,7 +244,7 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(
         assert "It could not be measured" in page_of(result, study_dir / "out")
 
 
-def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
+def test_what_looks_wrong_in_a_force_table_is_noted(study_dir):
     rows = "\n".join(f"{k / RATE};{1000 * load:.3f};0" for k, load in enumerate(LOAD))
     (study_dir / "force.csv").write_text(f"Time / s;Load [N];triger (V)\n{rows}\n".replace(".", ","))
     result = run(study_dir, of_frames(region_of_interest_px=[0, 0, 60, 60]))
@@ -267,9 +261,7 @@ def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
         ("p frames 0-28", "DELETE FROM result", "p"),
     ],
 )
-def test_a_part_that_is_damaged_or_lost_is_measured_again_and_named(
-    study_dir: Path, plain: StudyResult, task: str, change: str, named: str
-) -> None:
+def test_a_part_that_is_damaged_or_lost_is_measured_again_and_named(study_dir, plain, task, change, named):
     with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
         assert connection.execute(f"{change} WHERE task = ?", (task,)).rowcount == 1
     result = run(study_dir)
@@ -277,7 +269,7 @@ def test_a_part_that_is_damaged_or_lost_is_measured_again_and_named(
     assert result.notes == (f"{STORE_NAME}: the stored result of {named} was damaged and is measured again",)
 
 
-def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:
+def test_corrections_reach_every_frame(study_dir, press):
     rows, columns = press.pixels(0).shape
     result = run(study_dir, of_frames(region_of_interest_px=[0, 0, rows // 2, columns]))
     frame = rows_by(result, "frame")[12]
@@ -289,9 +281,7 @@ def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence
     assert re.search(r"In \d\d of its frames the contact is cut by the mask", text)
 
 
-def test_the_report_shows_a_few_frames_and_lists_none(
-    plain: StudyResult, study_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_report_shows_a_few_frames_and_lists_none(plain, study_dir, monkeypatch):
     monkeypatch.setattr(plots, "_MOST_FRAMES", 10)
     text = page_of(plain, study_dir / "out")
     assert re.search(r"10 of 2\d frames are drawn", text)
@@ -308,7 +298,7 @@ def test_the_report_shows_a_few_frames_and_lists_none(
 
 
 @pytest.mark.nightly
-def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) -> None:
+def test_memory_grows_with_rows_only(study_dir, press):
     # Each frame three times: kept pictures would add a thousand times what a row takes.
     peaks = []
     for copies in (1, 3):
@@ -339,9 +329,7 @@ def key_frame(press: SyntheticSequence, frame: int) -> dict:
     return {"ellipse_px": ellipse, "key_frame": True}
 
 
-def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
-    study_dir: Path, plain: StudyResult, press: SyntheticSequence
-) -> None:
+def test_ellipses_of_key_frames_are_carried_to_the_frames_between(study_dir, plain, press):
     run(study_dir)
     correct(study_dir, "p#5", key_frame(press, 5))
     correct(study_dir, "p#8", {"rejected": "slipped"})
@@ -369,7 +357,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     assert rows_by(run(study_dir), "frame")[9] == before[9]
 
 
-def test_a_range_of_frames_takes_its_ellipses_and_no_others() -> None:
+def test_a_range_of_frames_takes_its_ellipses_and_no_others():
     def key(frame: int, size: float) -> ActiveCorrection:
         ellipse = {"centre": [50, 50], "semi_axes": [size, size]}
         change = ContactCorrection(ellipse_px=ellipse, key_frame=True)
@@ -383,7 +371,7 @@ def test_a_range_of_frames_takes_its_ellipses_and_no_others() -> None:
     assert set(frame_corrections(active, "p", range(20, 30))) == {2, 9}
 
 
-def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
+def test_ellipses_between_keep_their_direction_and_turn_the_short_way():
     one = ImageEllipse(centre=(0, 0), semi_axes=(50, 30), orientation=np.radians(80))
     other = ImageEllipse(centre=(10, 20), semi_axes=(50, 30), orientation=np.radians(-80))
     between = interpolated_ellipse(one, other, 0.5)
@@ -399,7 +387,7 @@ def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
     assert np.degrees(turned.orientation) == pytest.approx(80)
 
 
-def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir: Path) -> None:
+def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir):
     write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY)
     study = read_study(study_dir / "study.toml")
 
@@ -442,7 +430,7 @@ def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
     return {"phases": {"starts": [{"phase": phase, "start_s": start} for phase, start in starts], "why": why}}
 
 
-def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path, plain: StudyResult) -> None:
+def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir, plain):
     run(study_dir)
     correct(study_dir, "p#phases", phases(*PHASES))
     log, result = CorrectionLog(study_dir), run(study_dir)
@@ -471,7 +459,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     assert "phases set manually" not in page_of(after, study_dir / "out")
 
 
-def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
+def test_phases_set_manually_measure_no_picture_again(study_dir):
     run(study_dir)
     manifest, out = study_dir / "study.toml", study_dir / "out"
 
@@ -492,7 +480,7 @@ DEPTH = 1.2 * (LOAD / 2) ** (2 / 3)
 AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 
 
-def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain: StudyResult) -> None:
+def test_a_displacement_gives_each_frame_its_indentation(study_dir, plain):
     write_force(study_dir, displacement_mm=7 + DEPTH + AWAY)
     result, out = run(study_dir), study_dir / "out"
     for frame, row in rows_by(result, "frame").items():
@@ -504,7 +492,7 @@ def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain:
     assert against not in html.unescape(page_of(plain, out))
 
 
-def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path, plain: StudyResult) -> None:
+def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir, plain):
     # The record begins in contact.
     write_force(study_dir, since=4, displacement_mm=DEPTH + np.arange(LOAD.size) / 1e4)
     result = run(study_dir, of_frames(start_s=0))

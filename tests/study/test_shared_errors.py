@@ -21,7 +21,7 @@ def result(folder: Path, stated: dict[str, float], wedge: float = 0.0) -> StudyR
     return run(folder, known, *contacts, uncertainty={**EXACT, "wedge_angle_deg_std": wedge, **stated})
 
 
-def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
+def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path):
     found = result(tmp_path, {"load_relative_std": 0.03, "load_gain_relative_std": 0.04})
     rng, draws = np.random.default_rng(1), 20_000
     # E of a contact of known ellipse goes with its load, and with its area to the power of -3/2.
@@ -44,7 +44,7 @@ def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> Non
     assert "force gain" not in found.summaries[0].corrected_radius.budget
 
 
-def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path: Path) -> None:
+def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path):
     found = result(tmp_path, {"jig_angle_deg_std": 2}, wedge=1.0)
     rng, draws = np.random.default_rng(2), 20_000
     angle = np.radians(30 + 2 * rng.normal(size=draws) + rng.normal(size=draws))
@@ -61,13 +61,13 @@ def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path: Path) -> None:
     assert pooled.budget["jig angle"] == pytest.approx(4 * pooled.budget["wedge angle"], rel=0.05)
 
 
-def test_unstated_errors_change_nothing(tmp_path: Path) -> None:
+def test_unstated_errors_change_nothing(tmp_path):
     found = result(tmp_path, {"load_relative_std": 0.03})
     assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].corrected_radius.budget)
     assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].layer.pooled["youngs_modulus"].budget)
 
 
-def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
+def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path):
     people = 6
     fingers = (finger(f"f{number}", std=1e-6, person=f"p{number}") for number in range(people))
     contacts = (contact(f"c{number}", finger=f"f{number}", std=0.05, axis="") for number in range(people))

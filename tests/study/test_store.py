@@ -29,7 +29,7 @@ COUNT = 4
 
 
 @pytest.fixture(scope="module")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pictures(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("pictures")
     for number in range(COUNT):
         truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=250, seed=number)
@@ -38,7 +38,7 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def whole(pictures: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Row]]:
+def whole(pictures, tmp_path_factory) -> tuple[Path, dict[str, Row]]:
     """Return a study with the results of a run in ``out``, which no test may change, and the run's rows."""
     folder = Path(shutil.copytree(pictures, tmp_path_factory.mktemp("whole"), dirs_exist_ok=True))
     write(folder)
@@ -48,7 +48,7 @@ def whole(pictures: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pat
 
 
 @pytest.fixture
-def fresh(pictures: Path, tmp_path: Path) -> Path:
+def fresh(pictures, tmp_path) -> Path:
     """Return the folder of a study that was not run."""
     shutil.copytree(pictures, tmp_path, dirs_exist_ok=True)
     write(tmp_path)
@@ -56,13 +56,13 @@ def fresh(pictures: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def folder(whole: tuple[Path, dict[str, Row]], tmp_path: Path) -> Path:
+def folder(whole, tmp_path) -> Path:
     """Return the folder of a study with the results of a run in ``out``."""
     return Path(shutil.copytree(whole[0], tmp_path, dirs_exist_ok=True))
 
 
 @pytest.fixture
-def rows(whole: tuple[Path, dict[str, Row]]) -> dict[str, Row]:
+def rows(whole) -> dict[str, Row]:
     return whole[1]
 
 
@@ -89,7 +89,7 @@ def status(folder: Path) -> Status:
     return study_status(folder / "study.toml", folder / "out")
 
 
-def test_a_second_run_measures_nothing_and_says_the_same(folder: Path, rows: dict[str, Row]) -> None:
+def test_a_second_run_measures_nothing_and_says_the_same(folder, rows):
     assert run(folder) == ([], rows)
     assert status(folder).done == COUNT
 
@@ -103,13 +103,13 @@ def test_a_second_run_measures_nothing_and_says_the_same(folder: Path, rows: dic
         ({0: {"roll_angle_deg": 5}}, []),
     ],
 )
-def test_only_what_bears_on_the_picture_is_measured_again(folder: Path, more: dict, expected: list) -> None:
+def test_only_what_bears_on_the_picture_is_measured_again(folder, more, expected):
     write(folder, more)
     assert status(folder).stale == len(expected)
     assert run(folder)[0] == expected
 
 
-def test_a_changed_load_changes_the_row_without_measuring(folder: Path, rows: dict[str, Row]) -> None:
+def test_a_changed_load_changes_the_row_without_measuring(folder, rows):
     write(folder, load=2.0)
     measured, after = run(folder)
     assert measured == []
@@ -118,17 +118,17 @@ def test_a_changed_load_changes_the_row_without_measuring(folder: Path, rows: di
         assert row["reduced_modulus_kpa"] == pytest.approx(2 * rows[name]["reduced_modulus_kpa"])
 
 
-def test_a_replaced_picture_is_measured_again_and_a_touched_one_is_not(folder: Path) -> None:
+def test_a_replaced_picture_is_measured_again_and_a_touched_one_is_not(folder):
     os.utime(folder / "o0.png", (1, 1))
     shutil.copy(folder / "o2.png", folder / "o1.png")
     assert run(folder)[0] == ["o1"]
 
 
-def test_fresh_measures_everything(folder: Path) -> None:
+def test_fresh_measures_everything(folder):
     assert len(run(folder, force=True)[0]) == COUNT
 
 
-def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder: Path) -> None:
+def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder):
     good = (folder / "o1.png").read_bytes()
     Image.fromarray(np.full((200, 200), 255, np.uint8)).save(folder / "o1.png")
     run(folder)
@@ -140,13 +140,13 @@ def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder: Path) -> 
     assert {row["status"] for row in rows.values()} == {"measured"}
 
 
-def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
+def test_pictures_of_removed_observations_do_not_stay(folder):
     without_last(folder)
     run(folder)
     assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
 
 
-def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: dict[str, Row]) -> None:
+def test_a_killed_run_loses_no_row_and_doubles_none(fresh, rows):
     words = [sys.executable, "-m", "fingerpad", "run", str(fresh), "--out", str(fresh / "out")]
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     assert wait_until(lambda: len(list((fresh / "out" / ".drawn").glob("*.png"))) > 1)
@@ -157,7 +157,7 @@ def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: dict[str,
     assert again == rows
 
 
-def test_a_store_that_is_none(fresh: Path) -> None:
+def test_a_store_that_is_none(fresh):
     (fresh / "out").mkdir()
     (fresh / "out" / STORE_NAME).write_bytes(b"not a database" * 100)
     with pytest.raises(StoreError, match="damaged or no store .* move it away and run again"):
@@ -165,7 +165,7 @@ def test_a_store_that_is_none(fresh: Path) -> None:
     assert (fresh / "out" / STORE_NAME).read_bytes() == b"not a database" * 100
 
 
-def test_a_damaged_index_of_a_store(folder: Path) -> None:
+def test_a_damaged_index_of_a_store(folder):
     path = folder / "out" / STORE_NAME
     root = "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_result_1'"
     with closing(sqlite3.connect(path)) as connection:
@@ -191,7 +191,7 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize(("change", "words"), FOREIGN.values(), ids=FOREIGN)
-def test_a_store_that_this_version_did_not_write_is_left_alone(folder: Path, change: str, words: str) -> None:
+def test_a_store_that_this_version_did_not_write_is_left_alone(folder, change, words):
     path = folder / "out" / STORE_NAME
     if "CREATE" in change:
         path.unlink()
@@ -211,7 +211,7 @@ def snapshot(folder: Path) -> dict[Path, tuple[int, bytes]]:
 
 
 @pytest.mark.parametrize("state", ["finished", "killed", "at work"])
-def test_status_writes_nothing(folder: Path, state: str) -> None:
+def test_status_writes_nothing(folder, state):
     out = folder / "out"
     if state != "finished":
         (folder / "o1.png").write_bytes((folder / "o2.png").read_bytes())
@@ -245,7 +245,7 @@ def update(folder: Path, change: str) -> None:
 OTHER_NUMBER = """record = replace(record, '"semi_major_mm": 4', '"semi_major_mm": 6') WHERE task ="""
 
 
-def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: dict[str, Row]) -> None:
+def test_a_damaged_result_is_measured_again_and_named(folder, rows):
     update(folder, f"{OTHER_NUMBER} 'o2'")
     words = f"{STORE_NAME}: the stored result of o2 is damaged"
     assert verify_study(folder / "study.toml", folder / "out").faults == (words,)
@@ -255,7 +255,7 @@ def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: dict[s
     assert verify_study(folder / "study.toml", folder / "out").faults == ()
 
 
-def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder: Path) -> None:
+def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder):
     """A run reads what its study holds, not all that was ever stored."""
     update(folder, f"{OTHER_NUMBER} 'o3'")
     without_last(folder)
@@ -265,16 +265,14 @@ def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder: Path) -
     assert (len(result.rows), result.notes) == (COUNT - 1, ())
 
 
-def test_a_damaged_state_of_a_result_is_as_good_as_none(folder: Path, rows: dict[str, Row]) -> None:
+def test_a_damaged_state_of_a_result_is_as_good_as_none(folder, rows):
     update(folder, "status = 'dnne' WHERE task = 'o2'")
     assert status(folder).left == 1
     assert run(folder)[1] == rows
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(60, marks=pytest.mark.nightly)])
-def test_flipped_bits_of_a_store_change_no_row_in_silence(
-    folder: Path, rows: dict[str, Row], count: int
-) -> None:
+def test_flipped_bits_of_a_store_change_no_row_in_silence(folder, rows, count):
     path = folder / "out" / STORE_NAME
     whole = path.read_bytes()
     rng = np.random.default_rng(8)
@@ -290,7 +288,7 @@ def test_flipped_bits_of_a_store_change_no_row_in_silence(
             other.unlink()
 
 
-def test_status_for_scripts(fresh: Path) -> None:
+def test_status_for_scripts(fresh):
     words = ("status", fresh, "--out", fresh / "out")
     before = command.run_json(*words)
     assert (before["left"], before["total"], before["seconds_left"]) == (COUNT, COUNT, None)
@@ -304,7 +302,7 @@ def test_status_for_scripts(fresh: Path) -> None:
     assert after["seconds_left"] == after["seconds"]["stale"] > 0
 
 
-def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
+def test_the_store_keeps_numbers_to_the_last_digit(tmp_path):
     record = {"x": 0.1 + 0.2, "words": "µ – ✓", "none": None}
     with Store.writing(tmp_path / STORE_NAME) as store:
         store.put("a", "k", TaskResult(record | {"nan": float("nan")}, {}, 0.5), count=1)
@@ -315,7 +313,7 @@ def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
     assert found == record
 
 
-def test_the_log_of_runs(fresh: Path) -> None:
+def test_the_log_of_runs(fresh):
     log = fresh / "run.jsonl"
     for _ in range(2):
         assert command.run("run", fresh, "--out", fresh / "out", "--log", log)[0] == 0
@@ -330,7 +328,7 @@ def test_the_log_of_runs(fresh: Path) -> None:
     ("name", "words"),
     [("study.toml", "is no log"), ("o1.png", "is no log"), (".", "cannot be written"), ("a/b", "cannot be")],
 )
-def test_a_log_that_would_spoil_something(folder: Path, name: str, words: str) -> None:
+def test_a_log_that_would_spoil_something(folder, name, words):
     before = snapshot(folder)
     code, _, error = command.run("run", folder, "--out", folder / "out", "--log", folder / name)
     assert code == 2

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -43,7 +42,7 @@ def table_by(rows: list[Row], batch: int, *, read_only: bool = False) -> pd.Data
 
 
 @pytest.mark.parametrize("batch", [1, 3, 4])
-def test_rows_come_out_as_they_went_in(batch: int) -> None:
+def test_rows_come_out_as_they_went_in(batch):
     table = table_by(ROWS, batch)
     whole = [{**dict.fromkeys(COLUMNS), "synthetic": False, **row} for row in ROWS]
     assert list(records(table)) == whole
@@ -56,7 +55,7 @@ def test_rows_come_out_as_they_went_in(batch: int) -> None:
     pd.testing.assert_frame_equal(table, table_by(ROWS, batch, read_only=True))
 
 
-def test_a_table_can_be_written_to_unless_it_is_read_only() -> None:
+def test_a_table_can_be_written_to_unless_it_is_read_only():
     table, fixed = table_by(ROWS, 2), table_by(ROWS, 2, read_only=True)
     table.loc[0, "session"] = "morning"
     assert table["session"].tolist() == ["morning", None, None, None]
@@ -64,14 +63,14 @@ def test_a_table_can_be_written_to_unless_it_is_read_only() -> None:
         fixed.loc[0, "session"] = "morning"
 
 
-def test_types_are_those_of_the_registry_whatever_is_known() -> None:
+def test_types_are_those_of_the_registry_whatever_is_known():
     """Also of no row, and of columns in which nothing is known: pandas guesses neither."""
     names = {"text": "object", "bool": "bool", "int": "Int64", "float": "float64"}
     for table in (table_by(ROWS, 2), table_by(ROWS[:1], 1), table_of([])):
         assert list(table.dtypes.astype(str)) == [names[column.dtype] for column in COLUMNS.values()]
 
 
-def test_some_rows_keep_their_places_in_the_whole() -> None:
+def test_some_rows_keep_their_places_in_the_whole():
     table = table_by(ROWS, 2)
     sequences = groups(table[table["frame"].notna()], "sequence", "finger")
     assert list(sequences) == [("p", "g"), ("p", "f"), ("q", "f")]
@@ -79,7 +78,7 @@ def test_some_rows_keep_their_places_in_the_whole() -> None:
     assert list(groups(table, "sequence")) == [(None,), ("p",), ("q",)]
 
 
-def test_records_hold_the_columns_asked_for() -> None:
+def test_records_hold_the_columns_asked_for():
     table = table_by(ROWS, 2)
     assert list(records(table[table["frame"].notna()], "frame", "load_N")) == [
         {"frame": 0, "load_N": None},
@@ -89,7 +88,7 @@ def test_records_hold_the_columns_asked_for() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 4, 2500])
-def test_files_hold_every_row(tmp_path: Path, count: int) -> None:
+def test_files_hold_every_row(tmp_path, count):
     rows = [{**ROWS[k % 4], "load_N": None if k % 5 == 1 else k / 7} for k in range(count)]
     rows[:1] = [{**row, "load_N": np.inf} for row in rows[:1]]
     write_rows(table_by(rows, 700), tuple(COLUMNS), tmp_path / "c", tmp_path / "j")
@@ -128,7 +127,7 @@ def many(count: int) -> Iterator[tuple[Contact, Measurement]]:
             yield measured(f"c{number}", axes, scale=f"s{number % 3}", **known, **failed)
 
 
-def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_batches_change_nothing(monkeypatch):
     whole = model_contacts(STUDY, {"f": pad()}, many(300))
     monkeypatch.setattr(rows_module, "_AT_ONCE", 7)
     parted = model_contacts(STUDY, {"f": pad()}, many(300))
@@ -138,7 +137,7 @@ def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert one.corrected_radius.std == pytest.approx(other.corrected_radius.std, rel=1e-9)
 
 
-def test_no_more_than_a_batch_is_held() -> None:
+def test_no_more_than_a_batch_is_held():
     alive: set[int] = set()
     most = 0
 
@@ -159,7 +158,7 @@ def test_no_more_than_a_batch_is_held() -> None:
     assert most <= 2 * rows_module._AT_ONCE
 
 
-def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
+def test_very_many_single_contacts_are_pooled_without_a_matrix():
     count = 20_000  # whose matrix would take 3 GB
     singles = (one for one in many(2 * count) if isinstance(one[0], Observation) and not one[1].reason)
     rows = model_contacts(STUDY, {"f": pad()}, singles)

@@ -16,7 +16,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 
 
-def test_the_example_runs_and_its_truth_is_covered(run_example: Path, tmp_path: Path) -> None:
+def test_the_example_runs_and_its_truth_is_covered(run_example, tmp_path):
     folder = Path(shutil.copytree(run_example, tmp_path / "example"))
     result = run_study(folder / "study.toml", folder / "results")
     assert result.failures == []
@@ -26,7 +26,7 @@ def test_the_example_runs_and_its_truth_is_covered(run_example: Path, tmp_path: 
     assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
 
 
-def test_the_template_is_a_valid_study_beside_pictures(tmp_path: Path) -> None:
+def test_the_template_is_a_valid_study_beside_pictures(tmp_path):
     (tmp_path / "IMG_1.jpg").write_bytes(b"mine")
     study = read_study(write_template(tmp_path))
     (observation,) = study.observations
@@ -35,7 +35,7 @@ def test_the_template_is_a_valid_study_beside_pictures(tmp_path: Path) -> None:
     assert (tmp_path / "IMG_1.jpg").read_bytes() == b"mine"
 
 
-def test_the_template_overwrites_nothing(tmp_path: Path) -> None:
+def test_the_template_overwrites_nothing(tmp_path):
     (tmp_path / "study.toml").write_text("title = 'mine'")
     with pytest.raises(ManifestError, match=r"study\.toml: is there already"):
         write_template(tmp_path)
@@ -45,7 +45,7 @@ def test_the_template_overwrites_nothing(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> None:
+def test_every_commented_line_of_the_template_is_valid_too(tmp_path):
     path = write_template(tmp_path / "new")
     lines = path.read_text(encoding="utf-8").splitlines()
     opened = [
@@ -62,20 +62,20 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     assert study.sequences[0].contact_load_N == 0.02
 
 
-def test_the_manifest_names_its_schema(tmp_path: Path) -> None:
+def test_the_manifest_names_its_schema(tmp_path):
     manifest = write_template(tmp_path / "new")
     assert manifest.read_text(encoding="utf-8").startswith(f"#:schema ./{SCHEMA_NAME}\n")
     schema = json.loads(manifest.with_name(SCHEMA_NAME).read_text(encoding="utf-8"))
     assert set(schema["properties"]) == set(Study.model_fields)
 
 
-def test_every_key_of_the_schema_has_a_description() -> None:
+def test_every_key_of_the_schema_has_a_description():
     schema = json.loads(manifest_schema())
     for table in (schema, *schema["$defs"].values()):
         assert all("description" in value for value in table["properties"].values()), table["title"]
 
 
-def test_the_template_counts_the_ways_to_say_a_scale(tmp_path: Path) -> None:
+def test_the_template_counts_the_ways_to_say_a_scale(tmp_path):
     template = write_template(tmp_path / "new").read_text(encoding="utf-8")
     numbers = ("one", "two", "three", "four", "five", "six", "seven", "eight")
     (said,) = re.findall(r"There are (\w+) ways to say one", template)

@@ -73,7 +73,7 @@ def test_the_model_holds_where_it_holds():
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("case", WRONG)
-def test_each_way_to_fail_is_found_and_covered(case: str) -> None:
+def test_each_way_to_fail_is_found_and_covered(case):
     found = scores(12, 0, {case: CASES[case]})[case]
     assert found.share(FAILS, STRAINED) == 1
     assert found.share(FAILS) > 0.8
@@ -376,7 +376,7 @@ def test_shared_errors_cancel():
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(0.4, FAILS), (2 / 3, HOLDS)])
-def test_exact_exponents_differ_for_certain_or_not_at_all(value: float, verdict: str) -> None:
+def test_exact_exponents_differ_for_certain_or_not_at_all(value, verdict):
     check = CHECK.of_difference((value, 0.0), 2 / 3, effect=-2.0)
     assert (check.verdict, check.p_value) == (verdict, 0.0 if verdict == FAILS else 1.0)
 

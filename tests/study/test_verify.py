@@ -4,31 +4,22 @@ import json
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from tests import command
 from tests.studies import correct
-from tests.study.small_study import PIECE, copy
 
-from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 
-@pytest.fixture(scope="module")
-def finished(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("study") / "study"
-    manifest = copy(small_run, folder)
-    correct(folder, "o1", {"accepted": True})
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(sequences, "_LEAST_PIECE", PIECE)
-        run_study(manifest, folder / "out")
-    return folder
-
-
 @pytest.fixture
-def study(finished: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(finished, tmp_path / "study"))
+def study(finished, small_pieces) -> Path:
+    """Return the folder of the small study, run with a correction."""
+    correct(finished.parent, "o1", {"accepted": True})
+    run_study(finished, finished.parent / "out")
+    return finished.parent
 
 
 def verify(folder: Path) -> tuple[int, dict]:
@@ -36,14 +27,18 @@ def verify(folder: Path) -> tuple[int, dict]:
     return code, json.loads(out)
 
 
-def test_a_finished_study_is_intact(study: Path) -> None:
+def test_a_finished_study_is_intact_also_where_inputs_changed_or_it_was_never_run(study):
     code, found = verify(study)
-    assert code == 0
-    assert found["faults"] == []
-    assert found["changed_inputs"] == []
+    assert (code, found["faults"], found["changed_inputs"]) == (0, [], [])
     assert found["intact"].keys() == {"study.toml", "corrections.jsonl", "store.sqlite", "results"}
     words = command.run("verify", study, "--out", study / "out")[1]
     assert words.startswith("intact   study.toml: 2 fingers, 6 contacts")
+    (study / "o1.png").write_bytes((study / "o2.png").read_bytes())
+    code, found = verify(study)
+    assert (code, found["changed_inputs"]) == (0, ["o1.png"])
+    shutil.rmtree(study / "out")
+    code, found = verify(study)
+    assert (code, found["intact"].keys()) == (0, {"study.toml", "corrections.jsonl"})
 
 
 def flip(path: Path) -> None:
@@ -54,10 +49,8 @@ def flip(path: Path) -> None:
 
 
 def spoil_record(path: Path) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute("UPDATE result SET seconds = seconds + 1 WHERE task = 'o3'")
-    connection.commit()
-    connection.close()
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("UPDATE result SET seconds = seconds + 1 WHERE task = 'o3'")
 
 
 FAULTS: dict[str, tuple[str, Callable[[Path], object], str]] = {
@@ -72,21 +65,9 @@ FAULTS: dict[str, tuple[str, Callable[[Path], object], str]] = {
 
 
 @pytest.mark.parametrize(("name", "change", "words"), FAULTS.values(), ids=FAULTS)
-def test_what_was_changed_is_named(study: Path, name: str, change: Callable, words: str) -> None:
+def test_what_was_changed_is_named(study, name, change, words):
     change(study / name)
     code, found = verify(study)
     assert code == 3
     assert any(words in fault for fault in found["faults"])
     assert Path(name).name not in found["intact"]
-
-
-def test_changed_inputs_are_no_fault(study: Path) -> None:
-    (study / "o1.png").write_bytes((study / "o2.png").read_bytes())
-    code, found = verify(study)
-    assert (code, found["changed_inputs"]) == (0, ["o1.png"])
-
-
-def test_a_study_that_was_never_run(study: Path) -> None:
-    shutil.rmtree(study / "out")
-    code, found = verify(study)
-    assert (code, found["intact"].keys()) == (0, {"study.toml", "corrections.jsonl"})

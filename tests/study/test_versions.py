@@ -17,7 +17,6 @@ import fingerpad as fp
 from fingerpad.study.engine import task as versions
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import output
-from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import CurveFitRecord, SummaryFile, ThicknessFitRecord
 from fingerpad.study.status import study_status
 
@@ -107,14 +106,14 @@ def read(pinned_run, tmp_path_factory):
     return fp.run_study(pinned_run, shutil.copytree(pinned_run.with_name("out"), out)), out
 
 
-def test_every_key_says_what_it_is() -> None:
+def test_every_key_says_what_it_is():
     schema = SummaryFile.model_json_schema(mode="serialization")
     for name, table in {"SummaryFile": schema, **schema["$defs"]}.items():
         for key, value in table["properties"].items():
             assert value.get("description"), f"{name}.{key}"
 
 
-def test_what_is_read_is_what_was_written(read: tuple[StudyResult, Path]) -> None:
+def test_what_is_read_is_what_was_written(read):
     found, out = read
     written = (out / "summary.json").read_text(encoding="utf-8")
     summary = fp.load_results(out).summary
@@ -124,15 +123,13 @@ def test_what_is_read_is_what_was_written(read: tuple[StudyResult, Path]) -> Non
     assert place.on_layer.highest_load.youngs_modulus_on_layer_kpa > 0
 
 
-def test_nothing_that_a_fit_tells_is_left_out(read: tuple[StudyResult, Path]) -> None:
+def test_nothing_that_a_fit_tells_is_left_out(read):
     (curve,) = read[0].curves
     assert set(curve.fit.as_record()) == set(CurveFitRecord.model_fields)
     assert set(curve.layer.as_record()) == set(ThicknessFitRecord.model_fields)
 
 
-def test_a_summary_of_another_version_is_read_or_refused(
-    read: tuple[StudyResult, Path], tmp_path: Path
-) -> None:
+def test_a_summary_of_another_version_is_read_or_refused(read, tmp_path):
     content = json.loads((read[1] / "summary.json").read_text(encoding="utf-8"))
     path = tmp_path / "summary.json"
     path.write_text(json.dumps({**content, "new": {"key": 1}}), encoding="utf-8")
