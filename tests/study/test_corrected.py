@@ -2,194 +2,128 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from benchmarks.claims.engine import measured_scales
-from tests.studies import contact, finger, picture, sequence, study_of
+from tests.studies import OUTLINES, correct, finger, picture, run_watched, sequence, write_study
 
-from fingerpad._records import to_record
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image, read_image
 from fingerpad.simulate import render_contact_image, render_finger
-from fingerpad.study.corrections.apply import (
-    contact_correction,
-    corrected_contact_image,
-    corrected_photograph,
-)
+from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest.models import Observation
-from fingerpad.study.measuring.contacts import measure_observation, reviewed
-from fingerpad.study.measuring.context import RunContext, scale_key
-from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items
+from fingerpad.study.manifest.models import ContactSequence, Observation, Photograph
+from fingerpad.study.measuring.fingers import photograph_item
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
-MM_PER_PX = 0.1
-FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
+PPI, CAMERA = Scale.of_ppi(500), Scale(0.1)
+CONTACT = Observation.model_validate(picture("p", "print.png", 1, scale={"ppi": 500}).keys)
+PRESS = ContactSequence.model_validate(sequence("press", "p", force="f", scale={"ppi": 500}).keys)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("study")
-    cv2.imwrite(str(folder / "print.png"), np.rint(TRUTH.pixels).clip(0, 255).astype(np.uint8))
-    cv2.imwrite(str(folder / "empty.png"), np.full((300, 300), 200, np.uint8))
-    for number, (face, axes) in enumerate(FACES.items()):
-        truth = render_finger(face, semi_axes=axes, mm_per_px=MM_PER_PX, seed=number)
-        cv2.imwrite(str(folder / f"{face}.png"), truth.pixels[..., ::-1])
-    return folder
+def seen(change=None, *, pixels=TRUTH.pixels, of=CONTACT, **settings):
+    change = ContactCorrection.model_validate(change or {})
+    return corrected_contact_image(pixels, PPI, of, Path(), change, settings=settings)
 
 
-STUDY = study_of(
-    finger(
-        photographs=[
-            {"face": face, "file": f"{face}.png", "scale": "camera", "synthetic": True} for face in FACES
-        ]
-    ),
-    picture("p", "print.png", 1, scale="reader", synthetic=True),
-    picture("none", "empty.png", 1, scale="reader"),
-    contact("given", 1, (5, 4), axis=""),
-    sequence("press", "p", force="f", scale="reader"),
-    scales={"camera": {"mm_per_px": MM_PER_PX}, "reader": {"ppi": 500}},
-)
+def remove(row, column, radius_px):
+    return {"strokes": [{"action": "remove", "points_px": [[row, column]], "radius_px": radius_px}]}
 
 
-def measured(folder, tmp_path, name, change=None):
-    log = CorrectionLog(tmp_path)
-    if change is not None:
-        log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
-    observation = next(one for one in STUDY.observations if one.name == name)
-    scales = measured_scales(STUDY, folder)
-    active_correction = log.active_correction(name)
-    scale = None if observation.scale is None else scales[scale_key(observation.scale)]
-    found = measure_observation(
-        observation, scale, folder, tmp_path / "out", contact_correction(active_correction)
-    )
-    return reviewed(found, active_correction)
-
-
-def finger_of(finger, scales, folder, out, active_corrections):
-    """Measure a finger's photographs as a run does, and combine them."""
-    context = RunContext(study=STUDY, folder=folder, active_corrections=active_corrections, scales=scales)
-    tasks = (task for one in photograph_items(finger, context) for stage in one.stages() for task in stage)
-    records = {task.item: to_record(task.work(folder, out)) for task in tasks}
-    return finger_result(finger, scales, folder, records, active_corrections)
-
-
-def test_strokes_and_options_correct_the_automatic_result(folder, tmp_path):
-    plain = measured(folder, tmp_path, "p")
-    middle = [plain.centroid_row_px - 140, plain.centroid_column_px]
-    stroke = {"action": "remove", "points_px": [middle], "radius_px": 50}
-    found = measured(folder, tmp_path, "p", {"strokes": [stroke]})
-    assert found.gross_area_mm2 < plain.gross_area_mm2 - 5
-    assert found.measured_by == "corrected"
-    assert found.automatic_semi_major_mm == plain.semi_major_mm
-    other = measured(folder, tmp_path, "p", {"threshold": 90})
-    pixels = cv2.imread(str(folder / "print.png"), cv2.IMREAD_GRAYSCALE)
-    assert (
-        other.semi_major_mm
-        == measure_contact_image(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
-    )
-    # Back to the program.
-    assert measured(folder, tmp_path, "p", {}).semi_major_mm == plain.semi_major_mm
-
-
-def test_a_contact_not_found_automatically_is_measured_manually(folder, tmp_path):
-    assert "no contact found" in measured(folder, tmp_path, "none").reason
-    pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
-    drawn = ContactCorrection.model_validate({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}})
-    contact = STUDY.observations[1]
-    seen = corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, drawn)
-    assert seen.automatic is None
-    assert float(seen.contact_image.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
-    nothing = ContactCorrection.model_validate(
-        {"strokes": [{"action": "remove", "points_px": [[5, 5]], "radius_px": 5}]}
-    )
-    assert (
-        "leave no contact"
-        in corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, nothing).reason
-    )
-
-
-def test_frames_keep_the_sequences_reading(folder):
-    """A frame is measured as its sequence is; a stroke changes the region, not the reading."""
-    scale, sequence = Scale.of_ppi(500), STUDY.sequences[0]
-    settings = measure_contact_image(TRUTH.pixels, scale).settings | {"ridge_period": 0.5}
-    plain = corrected_contact_image(TRUTH.pixels, scale, sequence, folder, settings=settings)
-    assert (
-        plain.contact_image.as_record() == measure_contact_image(TRUTH.pixels, scale, **settings).as_record()
-    )
+def test_strokes_and_options_correct_the_automatic_result():
+    plain = seen()
     row, column = plain.contact_image.centroid
-    stroke = {"action": "remove", "points_px": [[row - 150, column]], "radius_px": 40}
-    change = ContactCorrection.model_validate({"strokes": [stroke]})
-    found = corrected_contact_image(TRUTH.pixels, scale, sequence, folder, change, settings=settings)
+    found = seen(remove(row - 140, column, 50))
+    assert found.contact_image.gross_area < plain.contact_image.gross_area - 5
+    assert found.automatic.as_record() == plain.contact_image.as_record()
+    expected = measure_contact_image(TRUTH.pixels, PPI, threshold=90)
+    assert seen({"threshold": 90}).contact_image.as_record() == expected.as_record()
+    assert seen({}).contact_image.as_record() == plain.contact_image.as_record()
+
+
+def test_a_contact_not_found_automatically_is_measured_manually():
+    pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
+    assert "no contact found" in seen(pixels=pixels).reason
+    found = seen({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}}, pixels=pixels)
+    assert found.automatic is None
+    assert float(found.contact_image.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
+    assert "leave no contact" in seen(remove(5, 5, 5), pixels=pixels).reason
+
+
+def test_frames_keep_the_sequences_reading():
+    """A frame is measured as its sequence is; a stroke changes the region, not the reading."""
+    settings = measure_contact_image(TRUTH.pixels, PPI).settings | {"ridge_period": 0.5}
+    plain = seen(of=PRESS, **settings)
+    expected = measure_contact_image(TRUTH.pixels, PPI, **settings)
+    assert plain.contact_image.as_record() == expected.as_record()
+    row, column = plain.contact_image.centroid
+    found = seen(remove(row - 150, column, 40), of=PRESS, **settings)
     assert found.automatic.as_record() == plain.contact_image.as_record()
     assert found.contact_image.ridge_period == plain.contact_image.ridge_period
     assert found.contact_image.gross_area < plain.contact_image.gross_area
 
 
-def test_photographs_fitted_manually_and_rejected(folder, tmp_path):
-    scales, finger = measured_scales(STUDY, folder), STUDY.fingers[0]
-    plain = finger_of(finger, scales, folder, tmp_path / "out", {})
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study of a finger, the photographs of which are drawn."""
+    folder = tmp_path_factory.mktemp("study")
+    for number, (face, axes) in enumerate(OUTLINES.items()):
+        drawn = render_finger(face, semi_axes=axes, mm_per_px=CAMERA.mm_per_px, seed=number)
+        cv2.imwrite(str(folder / f"{face}.png"), drawn.pixels[..., ::-1])
+    shown = {"scale": "camera", "synthetic": True}
+    photographs = [{"face": face, "file": f"{face}.png", **shown} for face in OUTLINES]
+    write_study(folder, finger(photographs=photographs), scales={"camera": {"mm_per_px": 0.1}})
+    return folder
+
+
+def test_photographs_fitted_manually_and_rejected(folder):
+    plain = run_watched(folder / "study.toml")[0].fingers["f"]
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
-    items = [photograph_item(finger, one) for one in finger.photographs]
-    assert items[0] == "f/palmar.png"
-    log = CorrectionLog(tmp_path)
-    drawn = {"centre": [200, 190], "semi_axes": [125, 145]}
-    log.append(items[0], {"ellipse_px": drawn}, who="ben", expected=0, study=STUDY)
-    log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
-    found = finger_of(finger, scales, folder, tmp_path / "out", log.active_corrections())
+    correct(folder, "f/palmar.png", {"ellipse_px": {"centre": [200, 190], "semi_axes": [125, 145]}})
+    correct(folder, "f/radial.png", {"rejected": "nail in view"})
+    result, measured = run_watched(folder / "study.toml")
+    found = result.fingers["f"]
+    assert measured == ["f/palmar.png"]
     assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
     assert found.photographs[0].flags == ("fitted_manually",)
     # The page's joint result is the run's.
-    scale = scales["camera"].scale
-    faces = [
-        replace(
-            corrected_photograph(
-                read_colour_image(folder / one.file),
-                one,
-                scale,
-                active_correction.change if (active_correction := log.active_correction(item)) else None,
-            ).face_semi_axes,
-            scale="camera",
-        )
-        for item, one in list(zip(items, finger.photographs, strict=True))[:2]
-    ]
+    active, faces = CorrectionLog(folder).active_corrections(), []
+    for one in result.study.fingers[0].photographs[:2]:
+        said = active.get(photograph_item(result.study.fingers[0], one))
+        pixels = read_colour_image(folder / one.file)
+        of_face = corrected_photograph(pixels, one, CAMERA, said and said.change)
+        faces.append(replace(of_face.face_semi_axes, scale="camera"))
     joint = combine_faces(faces)
     assert found.scale == "camera"
     np.testing.assert_array_equal(joint.semi_axes, found.semi_axes)
     np.testing.assert_array_equal(joint.covariance, found.covariance)
-    assert joint.semi_axes[1] == pytest.approx(145 * scale.mm_per_px, rel=1e-6)
+    assert joint.semi_axes[1] == pytest.approx(145 * CAMERA.mm_per_px, rel=1e-6)
 
 
 def test_points_of_a_photograph_are_edited(folder):
-    photograph = STUDY.fingers[0].photographs[0]
+    photograph = Photograph.model_validate({"face": "palmar", "file": "palmar.png", "scale": "camera"})
     pixels = read_colour_image(folder / "palmar.png")
-    scale = measured_scales(STUDY, folder)["camera"].scale
-    plain = corrected_photograph(pixels, photograph, scale)
+    plain = corrected_photograph(pixels, photograph, CAMERA)
     rubber = {"points_px": plain.points[40:60].tolist(), "radius_px": 2}
     change = PhotographCorrection.model_validate({"erased": [rubber]})
-    fewer = corrected_photograph(pixels, photograph, scale, change)
+    fewer = corrected_photograph(pixels, photograph, CAMERA, change)
     assert len(fewer.points) < len(plain.points) - 19
     assert "fitted_manually" in fewer.flags
-    box = [0, 0, *(pixels.shape[:2])]
-    whole = PhotographCorrection.model_validate({"region_of_interest_px": box})
-    assert corrected_photograph(pixels, photograph, scale, whole).arc_deg > plain.arc_deg
+    whole = PhotographCorrection.model_validate({"region_of_interest_px": [0, 0, *pixels.shape[:2]]})
+    assert corrected_photograph(pixels, photograph, CAMERA, whole).arc_deg > plain.arc_deg
 
 
 def test_an_observation_states_that_its_contact_is_smooth(tmp_path):
     ground = np.full((200, 200, 3), 90, np.uint8)
-    image = cv2.GaussianBlur(
-        cv2.ellipse(ground.copy(), (100, 95), (60, 45), 20, 0, 360, (90, 90, 200), -1), (0, 0), 1
-    )
-    cv2.imwrite(str(tmp_path / "gel.png"), image)
+    drawn = cv2.ellipse(ground.copy(), (100, 95), (60, 45), 20, 0, 360, (90, 90, 200), -1)
+    cv2.imwrite(str(tmp_path / "gel.png"), cv2.GaussianBlur(drawn, (0, 0), 1))
     cv2.imwrite(str(tmp_path / "empty.png"), ground)
-    table = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "load_N": 1, "file": "gel.png"}
-    observation = Observation.model_validate(
-        {**table, "scale": {"mm_per_px": 0.1}, "background": "empty.png", "surface": "smooth"}
-    )
+    stated = {"file": "gel.png", "background": "empty.png", "surface": "smooth"}
+    observation = CONTACT.model_copy(update=stated)
     pixels = read_image(tmp_path / "gel.png").pixels
-    seen = corrected_contact_image(pixels, Scale(0.1), observation, tmp_path)
-    assert seen.contact_image.surface == "smooth"
-    assert abs(seen.contact_image.gross_area / (math.pi * 6.05 * 4.55) - 1) < 0.03
-    assert math.isnan(seen.contact_image.ridge_area)
+    found = corrected_contact_image(pixels, CAMERA, observation, tmp_path).contact_image
+    assert found.surface == "smooth"
+    assert abs(found.gross_area / (math.pi * 6.05 * 4.55) - 1) < 0.03
+    assert math.isnan(found.ridge_area)

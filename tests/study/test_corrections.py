@@ -88,21 +88,18 @@ def test_items_of_all_kinds(log):
     assert log.active_correction("f/a/p.jpg").change.tip == "left"
 
 
-@pytest.mark.parametrize("number", ["abc", "07"])
-def test_a_frame_without_a_number_waits_too(tmp_path, number):
-    record = {"id": 1, "item": f"press#{number}", "when": "2026", "who": "A", "action": "change"}
-    line = json.dumps({**record, "change": {"threshold": 0.4}})
-    (tmp_path / CORRECTIONS_NAME).write_text(line + "\n")
-    log = CorrectionLog(tmp_path)
-    assert frames_of(log.active_corrections(), "press") == {}
-    assert log.unknown_items(STUDY) == [f"press#{number}"]
-
-
-def test_items_that_the_manifest_lost_wait(log):
+def test_items_that_the_manifest_lost_wait_and_so_do_frames_without_a_number(tmp_path, log):
     said(log, "print_1", {"accepted": True})
     assert log.unknown_items(STUDY) == []
     fewer = STUDY.model_copy(update={"observations": STUDY.observations[1:]})
     assert log.unknown_items(fewer) == ["print_1"]
+    record = {"id": 2, "when": "2026", "who": "A", "action": "change", "change": {"threshold": 0.4}}
+    with (tmp_path / CORRECTIONS_NAME).open("a") as file:
+        for number in ("abc", "07"):
+            file.write(json.dumps({**record, "item": f"press#{number}"}) + "\n")
+            record["id"] += 1
+    assert frames_of(log.active_corrections(), "press") == {}
+    assert log.unknown_items(STUDY) == ["press#abc", "press#07"]
 
 
 BAD = {

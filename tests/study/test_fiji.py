@@ -218,7 +218,6 @@ def test_a_set_of_rois_is_read_in_order(tmp_path):
     ("members", "message"),
     [
         ({"..\\evil.roi": b""}, "with a folder in its name"),
-        ({"/etc/evil.roi": b""}, "with a folder in its name"),
         ({"notes.txt": b""}, "'notes.txt', which is no ROI"),
         ({"a.roi": b"Iout"}, "RoiSet.zip, a.roi: is no ROI of ImageJ"),
         ({"a.roi": b"\0" * 17_000_000}, "would be 17000000 bytes"),
@@ -312,22 +311,23 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path):
 
 
 def test_units_are_asked_for_and_agree(tmp_path):
-    in_px = table(tmp_path, as_table([{"Label": "a", "Major": 296.0, "Minor": 200.0}]), "px.csv")
-    in_um = table(tmp_path, as_table([{"Label": "a", "Major": 14800.0, "Minor": 10000.0}]), "um.csv")
-    rois = zipped(tmp_path, {"a.roi": tilted(0)})
+    sizes = {"px.csv": 1, "um.csv": 50}
+    in_px, in_um = (
+        table(tmp_path, as_table([{"Label": "a", "Major": 296.0 * size, "Minor": 200.0 * size}]), name)
+        for name, size in sizes.items()
+    )
+    rois, bad = zipped(tmp_path, {"a.roi": tilted(0)}), tmp_path / "bad.csv"
     common = ("--std-mm", 0.1, "--json", "--out")
     for number, arguments in enumerate([(in_px, "--mm-per-px", 0.05), (in_um, "--unit", "um")]):
         code, said, _ = cli(*arguments, *common, tmp_path / f"{number}.csv")
         assert code == 0
         assert json.loads(said)[0]["semi_major_mm"] == pytest.approx(7.4)
-    bad = tmp_path / "bad.csv"
     for arguments, message in [
         ((in_px,), "Fiji's files name no unit: for lengths in px give either --ppi"),
         ((in_px, "--unit", "mm"), "the scale (Fiji measures in px until a scale is set)"),
         ((in_um, "--unit", "ell"), "--unit takes mm, um, µm, cm, inch, found 'ell'"),
         ((in_um, "--unit", "um", "--ppi", 500), "found a scale beside it"),
         ((rois, "--unit", "mm"), "RoiSet.zip, which is in px"),
-        ((rois,), "Fiji's files name no unit"),
         ((in_px, in_px, "--ppi", 500), "px.csv: is named twice"),
         ((tmp_path / "lost.csv", "--unit", "mm"), "lost.csv: no such file"),
     ]:
@@ -390,15 +390,15 @@ def test_a_scale_s_uncertainty_widens_the_axes():
     [
         ({"pattern": "{face}"}, "{face} is unknown: a pattern holds {person}, {finger}, {wedge}, {roll}"),
         ({"pattern": "{load}_{load}"}, "{load} stands twice"),
-        ({"pattern": "w{load}N"}, "'w{load}N' fits no label, such as '2N'"),
-        ({"pattern": "{finger}_{load}N"}, "fits no label.* only hand and digit"),
+        ({"pattern": "{finger}_{load}N"}, "fits no label, such as '2N'.* only hand and digit"),
         ({"pattern": "{load}N", "known": {"load_N": 2}}, "load_N is given for all"),
         ({"semi_axis_mm_std": 0}, "must be positive, found 0 mm"),
         ({"finger_axis_deg": math.nan}, "finger_axis_deg must be a finite number"),
         ({"known": {"load_N": -1}}, "line 2: load_N: expected greater than 0, found -1"),
-        ({"known": {"wedge_angle_deg": 100}}, "line 2: wedge_angle_deg: .* 90, found 100"),
-        ({"mm_per_unit": 25.4}, "line 2: a semi-major axis of 188 mm is none .* scale$"),
-        ({"mm_per_unit": 25.4, "unit_hint": "it measures in px"}, r"the scale \(it measures in px\)$"),
+        (
+            {"mm_per_unit": 25.4, "unit_hint": "it measures in px"},
+            r"line 2: a semi-major axis of 188 mm is none .* scale \(it measures in px\)$",
+        ),
     ],
 )
 def test_what_cannot_be_meant_is_refused(changed, message):

@@ -112,7 +112,6 @@ def press(keys: str) -> str:
             "\ntitle = Mine",
             r"\(at line 2, column 9\): 'title = Mine'; text stands in quotes, and numbers have",
         ),
-        (FINGER + ROW, "study.toml: title: required, but missing"),
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
@@ -133,11 +132,9 @@ def press(keys: str) -> str:
             r"fingers\[0\]: the photograph study.toml is named 2 times: copy",
         ),
         (press_curve("loading_radius_mm_std = 3"), "curves.0.: there is no use for loading_radius_mm_std"),
-        (press_curve("thickness_mm = 0"), "curves.0..thickness_mm: expected"),
         (press_curve("thickness_mm = inf\nthickness_mm_std = 1"), "no use for thickness_mm_std"),
         (press_curve('scale = "other"'), "no scale is named 'other'"),
         (press_curve("scale = { ppi = 90 }\narea_relative_std = 0.1"), "no use for area_relative_std"),
-        (press_curve("area_relative_std = 2"), "curves.0..area_relative_std: expected"),
         (press_curve('file_columns = { aera = "aera_mm2:mm2" }'), r"curves\[0\]\.file_columns\.aera: "),
         (pad('face = "palmar", outline = "study.toml", scale = "third"'), "no scale is named 'third'"),
         *(
@@ -146,7 +143,6 @@ def press(keys: str) -> str:
                 ("uncertainty", "load_gain_relative_std", 1.5),
                 ("uncertainty", "jig_angle_deg_std", -1),
                 ("apparatus", "dwel_s", 1),
-                ("apparatus", "dwell_s", -1),
                 ("apparatus", "imaging", 3),
             )
         ),
@@ -166,14 +162,12 @@ def press(keys: str) -> str:
         (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
         (image('file = "x.png"'), "an image needs its scale"),
         (image('file = "no.png"\nscale = { ppi = 500 }'), "file: no file 'no.png' in the study"),
-        (image('file = "../x.png"\nscale = { ppi = 500 }'), "'../x.png' leaves the study folder"),
         (
             image('file = "x.png"\nppi = 500'),
             r"observations.0..ppi: unknown key; write it in the table of a scale, as in scale = \{ ppi",
         ),
         (scale("ppi = 500\nmm_per_px = 0.05"), "scales.s: give one of .*, found ppi and mm_per_px"),
         (VALID + '[scales."a b"]\nppi = 500', "scales.a b.*: write it with letters"),
-        (scale("ppi = 500\n[scales.S]\nppi = 400"), "scales.S: 'S' is taken; names must differ"),
         (scale("line = [[1, 2], [1, 2]]\nlength_mm = 5"), "scales.s: the line must have two different"),
         (scale('coin = "no.png"\ndiameter_mm = 23.25'), "scales.s.coin: no file 'no.png'"),
         (
@@ -272,16 +266,12 @@ LINE = {"line": [[0, 0], [0, 9]], "length_mm": 1, "ends_px_std": 1}
     [
         ({}, "reader", ["the load", "Poisson's ratio", "the scale “reader”"]),
         (
-            {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
+            {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0, "load_relative_std": 0.1},
             {"ppi": 500},
-            ["the wedge angle", "the roll angle", "the load", "Poisson's ratio", "scales of single pictures"],
-        ),
-        (
-            {"load_relative_std": 0.1, "roll_angle_deg_std": 0},
-            {"ppi": 500, "relative_std": 0.01},
-            ["the roll angle", "Poisson's ratio"],
+            ["the wedge angle", "the roll angle", "Poisson's ratio", "scales of single pictures"],
         ),
         ({"load_relative_std": 0.1, "poisson_ratio_std": 0.02}, LINE, []),
+        ({"load_relative_std": 0.1}, {"ppi": 500, "relative_std": 0.01}, ["Poisson's ratio"]),
     ],
 )
 def test_says_what_is_taken_as_exact(stated, scale, exact):
@@ -299,8 +289,7 @@ def test_says_what_is_taken_as_exact(stated, scale, exact):
     ("stated", "assumed"),
     [
         ({}, ["the wedge angle to ± 3°", "the roll angle to ± 3°"]),
-        ({"wedge_angle_deg_std": 0}, ["the roll angle to ± 3°"]),
-        ({"wedge_angle_deg_std": 3, "roll_angle_deg_std": 1}, []),
+        ({"wedge_angle_deg_std": 0, "roll_angle_deg_std": 1}, []),
     ],
 )
 def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(stated, assumed):

@@ -27,11 +27,10 @@ from tests.study.small_study import LOAD, PPI
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.report.text import implausible_values
-from fingerpad.simulate import render_contact_image
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, first_record, items, records
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, items, records
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -111,16 +110,9 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo):
 
 def test_tables_agree_with_each_other(demo):
     result, out = demo
-    table = rows_of(out / "results.csv")
     records = json.loads((out / "results.json").read_text())
-    assert len(table) == len(records) == len(result.rows) == 13 + 21
-    for line, record in zip(table, records, strict=True):
-        assert list(line) == list(record) == list(DEFAULT_COLUMNS)
-        for key, value in record.items():
-            if isinstance(value, float):
-                assert float(line[key]) == value
-            elif value is None:
-                assert line[key] == ""
+    assert len(rows_of(out / "results.csv")) == len(records) == len(result.rows) == 13 + 21
+    assert all(list(record) == list(DEFAULT_COLUMNS) for record in records)
     assert [row["column"] for row in rows_of(out / "results_columns.csv")] == list(DEFAULT_COLUMNS)
     inputs = summary_of(out)["provenance"]["inputs_sha256"]
     assert set(inputs) >= {"study.toml", "observations.csv"}
@@ -215,33 +207,6 @@ def test_results_are_never_written_over_inputs(tmp_path, file, out):
     assert (tmp_path / file).read_bytes() == before
 
 
-def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path):
-    truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
-    Image.fromarray(truth.pixels).save(tmp_path / "good.png")
-    Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
-    result = run(tmp_path, shown("good", "good.png"), shown("cut", "cut.png"))
-    good, cut = records(result.rows)
-    assert "touches_border" in cut["flags"]
-    assert (good["pooled"], cut["pooled"], cut["status"]) == (True, False, "measured")
-    (summary,) = result.summaries
-    assert len(summary.rows) == 2
-    assert summary.corrected_radius.count == 1
-    assert summary.pooled_from == "1 of 2 observations"
-    only = run(tmp_path, shown("cut", "cut.png"))
-    assert only.summaries[0].corrected_radius is None
-    assert "shown, not pooled" in page_of(only, tmp_path / "out")
-
-
-def test_slips_of_units_are_noted(tmp_path):
-    heavy = contact("x", 2000)
-    assert "implausible_modulus" in first_record(run(tmp_path, heavy).rows)["range_notes"]
-    small = finger(semi_axes_mm={name: axis / 10 for name, axis in PAD.items()})
-    manifest = write_study(tmp_path, small, heavy, uncertainty=STATED)
-    notes = first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
-    assert "implausible_size" in notes
-    assert "deeper_than_pad" in notes
-
-
 def test_a_study_through_a_link_and_by_its_folder(tmp_path):
     (tmp_path / "mine").mkdir()
     real = write(tmp_path / "real", contact("x", 1)).rename(tmp_path / "real" / "other.toml")
@@ -256,6 +221,7 @@ def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
     touched = contact("x", 1, (0.0074, 0.005), std=1e-4, axis="")
     result = run_study(write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")
     (only,) = records(result.rows)
+    assert "deeper_than_pad" in only["range_notes"]
     assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size")
     assert result.summaries[0].corrected_radius is None
     (size, *_) = implausible_values(result)

@@ -18,7 +18,7 @@ from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, contact_inputs
-from fingerpad.study.results.pooling import PooledRadius, area_exponent
+from fingerpad.study.results.pooling import PooledRadius, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult, check_uncertainty
 from fingerpad.study.results.table import first_record, records
@@ -269,6 +269,9 @@ def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts):
     assert rows.table["status"].tolist() == ["measured", "measured"]
     assert rows.table["pooled"].tolist() == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
+    (summary,) = pool_contacts(rows)
+    assert summary.pooled_from == ("2 observations" if counts else "1 of 2 observations")
+    assert len(summary.rows) == 2
 
 
 @pytest.mark.parametrize(

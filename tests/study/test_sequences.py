@@ -6,6 +6,7 @@ import shutil
 import sqlite3
 import tracemalloc
 from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -357,13 +358,16 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(study_dir, pla
     assert rows_by(run(study_dir), "frame")[9] == before[9]
 
 
-def test_a_range_of_frames_takes_its_ellipses_and_no_others():
-    def key(frame: int, size: float) -> ActiveCorrection:
-        ellipse = {"centre": [50, 50], "semi_axes": [size, size]}
-        change = ContactCorrection(ellipse_px=ellipse, key_frame=True)
-        return ActiveCorrection(item=f"p#{frame}", change=change, who="anna", when="")
+def active_corrections(frames: dict[int, dict]) -> dict[str, ActiveCorrection]:
+    """Return what is said of frames of the press."""
+    changes = {f"p#{frame}": ContactCorrection(**change) for frame, change in frames.items()}
+    said = {"who": "anna", "when": ""}
+    return {item: ActiveCorrection(item=item, change=change, **said) for item, change in changes.items()}
 
-    active = {"p#2": key(2, 30), "p#9": key(9, 40)}
+
+def test_a_range_of_frames_takes_its_ellipses_and_no_others():
+    ellipses = {frame: {"centre": [50, 50], "semi_axes": [size, size]} for frame, size in ((2, 30), (9, 40))}
+    active = active_corrections({k: {"ellipse_px": one, "key_frame": True} for k, one in ellipses.items()})
     every = frame_corrections(active, "p")
     assert sorted(every) == [2, 3, 4, 5, 6, 7, 8, 9]
     some = frame_corrections(active, "p", range(4, 6))
@@ -392,35 +396,30 @@ def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_els
     study = read_study(study_dir / "study.toml")
 
     def key_of(**frames: dict) -> tuple[str, str]:
-        active = {
-            f"p#{name[1:]}": ActiveCorrection(
-                item=f"p#{name[1:]}", change=ContactCorrection(**change), who="anna", when=""
-            )
-            for name, change in frames.items()
-        }
+        active = active_corrections({int(name[1:]): change for name, change in frames.items()})
         edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
         measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
         return measured, StudyItems.of(RunContext.of(study, study_dir, active, None)).sequences[0].key
 
     ellipse = {"ellipse_px": {"centre": [50, 50], "semi_axes": [30, 20]}}
-    larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}}
-    key = {"key_frame": True}
+    key, accepted = {"key_frame": True}, {"accepted": True}
+    larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}} | key
+    both, widening = {"f2": ellipse | key, "f9": ellipse | key}, {"f2": ellipse | key, "f9": larger}
     cases = [
         key_of(),
         key_of(f2=ellipse),
         key_of(f2=ellipse, f9=ellipse),
-        key_of(f2=ellipse | key, f9=ellipse | key),
-        key_of(f2=ellipse | key, f9=ellipse | key, f20={"accepted": True}),
-        key_of(f2=ellipse | key, f9=ellipse | key, f5={"accepted": True}),
-        key_of(f2=ellipse | key, f9=ellipse | key | {"accepted": True}),
-        key_of(f2=ellipse | key, f9=ellipse | key | {"rejected": "slipped"}),
-        key_of(f2=ellipse | key, f9=larger | key),
-        key_of(f2=ellipse | key, f9=larger | key, f5={"threshold": 40.0}),
-        key_of(f2=ellipse | key, f9=larger | key, f5=larger | key),
+        key_of(**both),
+        key_of(**both, f20=accepted),
+        key_of(**both, f5=accepted),
+        key_of(**both | {"f9": ellipse | key | accepted}),
+        key_of(**both | {"f9": ellipse | key | {"rejected": "slipped"}}),
+        key_of(**widening),
+        key_of(**widening, f5={"threshold": 40.0}),
+        key_of(**widening, f5=larger),
     ]
-    for one in cases:
-        for other in cases:
-            assert (one[0] == other[0]) == (one[1] == other[1])
+    for one, other in combinations(cases, 2):
+        assert (one[0] == other[0]) == (one[1] == other[1])
 
 
 PHASES = [("loading", 0.075), ("hold", 0.475), ("unloading", 0.925), ("after", 1.125)]

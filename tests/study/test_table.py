@@ -17,18 +17,15 @@ from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import COLUMNS, Row, first_record, groups, records, table_of
 
+KEYS = ("observation", "finger", "load_N", "frame", "pooled", "sequence")
 ROWS = [
-    {"observation": "a", "finger": "f", "load_N": 1.5, "frame": None, "pooled": True, "sequence": None},
-    {"observation": 'b"ü, 2', "finger": "g", "load_N": None, "frame": 0, "pooled": False, "sequence": "p"},
-    {"observation": "c", "finger": "f", "load_N": -2e-7, "frame": 12, "pooled": False, "sequence": "p"},
-    {
-        "observation": "line\nbreak",
-        "finger": "f",
-        "load_N": 3.0,
-        "frame": 13,
-        "pooled": True,
-        "sequence": "q",
-    },
+    dict(zip(KEYS, row, strict=True))
+    for row in (
+        ("a", "f", 1.5, None, True, None),
+        ('b"ü, 2', "g", None, 0, False, "p"),
+        ("c", "f", -2e-7, 12, False, "p"),
+        ("line\nbreak", "f", 3.0, 13, True, "q"),
+    )
 ]
 
 
@@ -72,22 +69,16 @@ def test_types_are_those_of_the_registry_whatever_is_known():
 
 def test_some_rows_keep_their_places_in_the_whole():
     table = table_by(ROWS, 2)
-    sequences = groups(table[table["frame"].notna()], "sequence", "finger")
+    some = table[table["frame"].notna()]
+    sequences = groups(some, "sequence", "finger")
     assert list(sequences) == [("p", "g"), ("p", "f"), ("q", "f")]
     assert sequences["q", "f"].tolist() == [2]
     assert list(groups(table, "sequence")) == [(None,), ("p",), ("q",)]
+    found = [(row["frame"], row["load_N"]) for row in records(some, "frame", "load_N")]
+    assert found == [(0, None), (12, -2e-7), (13, 3.0)]
 
 
-def test_records_hold_the_columns_asked_for():
-    table = table_by(ROWS, 2)
-    assert list(records(table[table["frame"].notna()], "frame", "load_N")) == [
-        {"frame": 0, "load_N": None},
-        {"frame": 12, "load_N": -2e-7},
-        {"frame": 13, "load_N": 3.0},
-    ]
-
-
-@pytest.mark.parametrize("count", [0, 1, 4, 2500])
+@pytest.mark.parametrize("count", [0, 1, 2500])
 def test_files_hold_every_row(tmp_path, count):
     rows = [{**ROWS[k % 4], "load_N": None if k % 5 == 1 else k / 7} for k in range(count)]
     rows[:1] = [{**row, "load_N": np.inf} for row in rows[:1]]

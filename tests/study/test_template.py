@@ -73,10 +73,3 @@ def test_every_key_of_the_schema_has_a_description():
     schema = json.loads(manifest_schema())
     for table in (schema, *schema["$defs"].values()):
         assert all("description" in value for value in table["properties"].values()), table["title"]
-
-
-def test_the_template_counts_the_ways_to_say_a_scale(tmp_path):
-    template = write_template(tmp_path / "new").read_text(encoding="utf-8")
-    numbers = ("one", "two", "three", "four", "five", "six", "seven", "eight")
-    (said,) = re.findall(r"There are (\w+) ways to say one", template)
-    assert numbers.index(said) + 1 == len(re.findall(r"^# \[scales\.", template, re.M))
