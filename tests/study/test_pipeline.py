@@ -218,7 +218,7 @@ def test_a_study_through_a_link_and_by_its_folder(tmp_path):
 
 def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
     pad = finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in PAD.items()})
-    touched = contact("x", 1, (0.0074, 0.005), std=1e-4, axis="")
+    touched = contact("x", 1, (0.074, 0.05), std=1e-4, axis="")
     result = run_study(write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")
     (only,) = records(result.rows)
     assert "deeper_than_pad" in only["range_notes"]
