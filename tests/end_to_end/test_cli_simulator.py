@@ -17,6 +17,7 @@ from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, Thick
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
 USUAL = (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 8)
 PLACE = fp.Placement(fp.Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))
+STDS = {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3}
 THICK = {"effective_thickness_mm": 6, "effective_thickness_mm_std": 0.5}
 
 
@@ -34,32 +35,30 @@ def run_json(*arguments: object):
 @pytest.fixture(scope="module")
 def results(tmp_path_factory) -> dict[str, Path]:
     made = {}
-    stds = {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3}
+    press = contact("press", 2, (6, 5), finger="left_index", axis="")
     for name, thickness in (("deep", {}), ("layer", THICK)):
-        study = write_study(
-            folder := tmp_path_factory.mktemp(name),
-            finger("left_index", semi_axes_mm_std=stds, **thickness),
-            contact("press", 2, (6, 5), finger="left_index", axis=""),
-            title="One",
-            uncertainty={"wedge_angle_deg_std": 0.3},
+        folder = tmp_path_factory.mktemp(name)
+        pad = finger("left_index", semi_axes_mm_std=STDS, **thickness)
+        fp.run_study(
+            write_study(folder, pad, press, uncertainty={"wedge_angle_deg_std": 0.3}), folder / "out"
         )
-        fp.run_study(study, folder / "results")
-        made[name] = folder / "results"
+        made[name] = folder / "out"
     return made
 
 
 def test_json_has_all_targets() -> None:
     record, note = run_json(*USUAL, "--load-n", 0.3, 2, "--mass-kg", 0.2)
     assert note == ""
-    assert set(record) == {"pressure_by_depth", "newton", "drake", "mujoco", "finite_elements", "table"}
     law = fp.simulator_law(PLACE, fp.Tissue(0.05, 0.5, 8.0), (0.3, 2.0))
-    for name, target in (
-        ("pressure_by_depth", law.pressure_by_depth()),
-        ("newton", law.newton_kh()),
-        ("drake", law.drake_modulus()),
-        ("mujoco", law.mujoco(0.2)),
-        ("finite_elements", law.finite_elements()),
-    ):
+    targets = {
+        "pressure_by_depth": law.pressure_by_depth(),
+        "newton": law.newton_kh(),
+        "drake": law.drake_modulus(),
+        "mujoco": law.mujoco(0.2),
+        "finite_elements": law.finite_elements(),
+    }
+    assert set(record) == {*targets, "table"}
+    for name, target in targets.items():
         assert record[name]["worst_relative_error"] == pytest.approx(target.worst_relative_error)
         assert record[name]["assumes"] == target.assumes
     assert record["newton"]["kh_N_per_m3"] == pytest.approx(law.newton_kh().kh)
@@ -108,57 +107,37 @@ def test_pad_of_a_run_has_the_area_that_was_seen(results, name, thickness) -> No
 
 def test_pad_of_a_run_by_its_loading_curve(results, monkeypatch) -> None:
     summary = SummaryFile.read(results["layer"])
+    modulus = {"youngs_modulus_kpa": 40.0, "youngs_modulus_kpa_std": 4.0}
     layers = [
-        ThicknessFitRecord.model_construct(
-            thickness_mm=thickness, thickness_mm_std=0.5, youngs_modulus_kpa=40.0, youngs_modulus_kpa_std=4.0
-        )
+        ThicknessFitRecord.model_construct(thickness_mm=thickness, thickness_mm_std=0.5, **modulus)
         for thickness in (5.0, 7.0)
     ]
-    curves = [
-        CurveRecord.model_construct(finger="left_index", wedge_angle_deg=30.0, synthetic=False, layer=layer)
-        for layer in (*layers, None)
-    ]
+    of = {"finger": "left_index", "wedge_angle_deg": 30.0, "synthetic": False}
+    curves = [CurveRecord.model_construct(**of, layer=layer) for layer in (*layers, None)]
     monkeypatch.setattr(SummaryFile, "read", lambda _: summary.model_copy(update={"curves": curves}))
     pad = of_run.measured_pad(results["layer"], finger=None, wedge_deg=30.0)
     assert (float(pad.tissue.thickness), float(pad.tissue.youngs_modulus)) == (7.0, 0.04)
-    assert pad.stds == pytest.approx(
-        {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3, "youngs_modulus": 0.004, "thickness": 0.5}
-    )
+    assert pad.stds == pytest.approx({**STDS, "youngs_modulus": 0.004, "thickness": 0.5})
     assert "loading curve" in pad.source
 
 
-BAD = {
-    "no pad": (("--wedge-deg", 30), "give --semi-axes-mm"),
-    "no modulus": (PAD, "give --youngs-modulus-kpa"),
-    "loads descend": ((*USUAL, "--load-n", 3, 1), "--load-n must ascend"),
-    "loads beyond the pad": ((*PAD, "--youngs-modulus-kpa", 10), "--load-n 0.2 3: no contact under 3 N"),
-    "mass too small": ((*USUAL, "--mass-kg", 1e-8), "--mass-kg 1e-08: effective_mass must be at least"),
-    "uncertainty of no thickness": (
-        (*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1),
-        "--thickness-mm-std is that of --thickness-mm",
-    ),
-    "no run": (("nowhere", "--wedge-deg", 30), "nowhere: no finished run there"),
-}
+BAD = [
+    (("--wedge-deg", 30), "give --semi-axes-mm"),
+    (PAD, "give --youngs-modulus-kpa"),
+    ((*USUAL, "--load-n", 3, 1), "--load-n must ascend"),
+    ((*PAD, "--youngs-modulus-kpa", 10), "--load-n 0.2 3: no contact under 3 N"),
+    ((*USUAL, "--mass-kg", 1e-8), "--mass-kg 1e-08: effective_mass must be at least"),
+    ((*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1), "-std is that of --thickness-mm"),
+    (("nowhere", "--wedge-deg", 30), "nowhere: no finished run there"),
+    (("layer", "--wedge-deg", 30, "--finger", "thumb"), "found no finger 'thumb'; it has left_index"),
+    (("layer", "--wedge-deg", 20), "left_index was not pressed at 20°; it was at 30°"),
+    (("layer", "--wedge-deg", 30, "--youngs-modulus-kpa", 30), "--youngs-modulus-kpa is that of the run"),
+    (("layer", "--wedge-deg", 30, "--thickness-mm", 0.1), "neither a loading curve nor a contact"),
+]
 
 
-@pytest.mark.parametrize("name", BAD)
-def test_bad_input(name) -> None:
-    given, message = BAD[name]
-    code, out, err = run(*given)
-    assert (code, out) == (2, "")
-    assert message in err
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        (("--wedge-deg", 30, "--finger", "thumb"), "found no finger 'thumb'; it has left_index"),
-        (("--wedge-deg", 20), "left_index was not pressed at 20°; it was at 30°"),
-        (("--wedge-deg", 30, "--youngs-modulus-kpa", 30), "--youngs-modulus-kpa is that of the run"),
-        (("--wedge-deg", 30, "--thickness-mm", 0.1), "neither a loading curve nor a contact"),
-    ],
-)
-def test_bad_input_beside_a_run(results, given, message) -> None:
-    code, out, err = run(results["layer"], *given)
+@pytest.mark.parametrize(("given", "message"), BAD)
+def test_bad_input(results, given, message) -> None:
+    code, out, err = run(*(results.get(word, word) for word in given))
     assert (code, out) == (2, "")
     assert message in err

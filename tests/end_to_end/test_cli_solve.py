@@ -21,16 +21,16 @@ run_json = partial(command.run_json, "solve")
 
 def test_a_light_touch_is_hertzian() -> None:
     record = run_json(*PAD, "--load-n", 1e-3)
-    hertz = record["hertz"]
-    assert set(hertz) == set(record["fast"]) == {*KEYS, "flag"}
-    assert set(record) == {*KEYS, "fast", "hertz"}
+    fast, hertz = record.pop("fast"), record.pop("hertz")
+    assert set(hertz) == set(fast) == {*KEYS, "flag"}
+    assert set(record) == KEYS
     assert hertz["flag"] is None
-    for key in KEYS - {"long_axis_along", "relative_error_estimate"}:
-        assert record[key] == pytest.approx(hertz[key], rel=1e-3), key
-        assert record["fast"][key] == pytest.approx(hertz[key], rel=1e-3), key
-    assert record["long_axis_along"] == hertz["long_axis_along"] == "second"
-    assert record["relative_error_estimate"] < 1e-3
-    assert hertz["relative_error_estimate"] < 1e-3
+    sizes = KEYS - {"long_axis_along", "relative_error_estimate"}
+    for found in (record, fast):
+        assert {key: found[key] for key in sizes} == pytest.approx(
+            {key: hertz[key] for key in sizes}, rel=1e-3
+        )
+    assert max(record["relative_error_estimate"], hertz["relative_error_estimate"]) < 1e-3
 
 
 def test_a_layer_is_what_the_library_solves() -> None:
@@ -38,28 +38,25 @@ def test_a_layer_is_what_the_library_solves() -> None:
     placement = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))
     tissue = Tissue(0.102375, poisson_ratio=0.45, thickness=8.0)
     solution = solve_contact(placement, tissue, load=2.0, points=128)
+    expected = {
+        "load_N": 2,
+        "area_mm2": solution.area,
+        "indentation_mm": solution.indentation,
+        "aspect_ratio": solution.aspect_ratio,
+        "peak_pressure_kpa": 1e3 * solution.peak_pressure,
+        "area_over_pi_indentation_mm": solution.area / (math.pi * solution.indentation),
+    }
+    assert {key: record[key] for key in expected} == pytest.approx(expected)
     hertz = hertz_contact(placement, tissue, load=2.0)
-    assert record["load_N"] == pytest.approx(2)
-    assert record["area_mm2"] == pytest.approx(solution.area)
-    assert record["indentation_mm"] == pytest.approx(solution.indentation)
-    assert record["aspect_ratio"] == pytest.approx(solution.aspect_ratio)
-    assert record["peak_pressure_kpa"] == pytest.approx(1e3 * solution.peak_pressure)
-    assert record["area_over_pi_indentation_mm"] == pytest.approx(
-        record["area_mm2"] / (math.pi * record["indentation_mm"])
-    )
     assert record["hertz"]["area_mm2"] == pytest.approx(float(hertz.area))
     assert record["hertz"]["flag"] == "thickness_ignored"
-    assert record["hertz"]["relative_error_estimate"] == pytest.approx(
-        float(hertz.indentation) / solution.indentation - 1
-    )
+    off = float(hertz.indentation) / solution.indentation - 1
+    assert record["hertz"]["relative_error_estimate"] == pytest.approx(off)
 
 
 @pytest.mark.parametrize("thickness", [(), ("--thickness-mm", 4)])
 def test_fast_laws_keep_the_error_they_state(thickness: tuple[object, ...]) -> None:
-    rolled = (
-        "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 45, "--roll-deg", 20, "--youngs-modulus-kpa",
-        100,
-    )  # fmt: skip
+    rolled = (*PAD[:4], "--wedge-deg", 45, "--roll-deg", 20, "--youngs-modulus-kpa", 100)
     record = run_json(*rolled, "--load-n", 1.5, *thickness, "--grid", 128)
     fast = record["fast"]
     assert fast["flag"] is None
@@ -90,18 +87,8 @@ def test_load_area_and_indentation_ask_the_same_contact() -> None:
     [((8, 20, 12), 0, "first"), ((8, 14, 12), 60, "second"), ((9, 9, 9), 20, "either")],
 )
 def test_long_axis(semi_axes: tuple[float, ...], wedge: float, along: str) -> None:
-    record = run_json(
-        "--semi-axes-mm",
-        *semi_axes,
-        "--wedge-deg",
-        wedge,
-        "--youngs-modulus-kpa",
-        100,
-        "--load-n",
-        0.5,
-        "--grid",
-        64,
-    )
+    pad = ("--semi-axes-mm", *semi_axes, "--wedge-deg", wedge, "--youngs-modulus-kpa", 100)
+    record = run_json(*pad, "--load-n", 0.5, "--grid", 64)
     assert (record["long_axis_along"], record["hertz"]["long_axis_along"]) == (along, along)
 
 
@@ -118,24 +105,20 @@ def test_people_see_a_column_for_each_answer() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--load-n", 200), "--load-n 200: the load would flatten the pad to its silhouette.*: check load"),
-        (("--area-mm2", 700), "--area-mm2 700: the area would flatten the pad to its silhouette"),
+        ("--load-n 200", "--load-n 200: the load would flatten the pad to its silhouette.*: check load"),
+        ("--area-mm2 700", "--area-mm2 700: the area would flatten the pad to its silhouette"),
         (
-            ("--load-n", 2, "--thickness-mm", 0.3, "--poisson-ratio", 0.3),
+            "--load-n 2 --thickness-mm 0.3 --poisson-ratio 0.3",
             "--load-n 2: an indentation of 0.32.* would press through the layer's thickness of 0.3: check",
         ),
-        (
-            ("--load-n", 2, "--thickness-mm", 0.1),
-            "thickness must be at least a tenth of the contact's mean radius 1.2.*, found 0.1",
-        ),
-        (("--load-n", 2, "--poisson-ratio", 0.51), "--poisson-ratio.*less than or equal to 0.5"),
-        (("--load-n", 2, "--grid", 63), "--grid.*greater than or equal to 64"),
-        (("--load-n", 2, "--area-mm2", 20), "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
+        ("--load-n 2 --thickness-mm 0.1", "at least a tenth of the contact's mean radius 1.2.*, found 0.1"),
+        ("--load-n 2 --poisson-ratio 0.51", "--poisson-ratio.*less than or equal to 0.5"),
+        ("--load-n 2 --grid 63", "--grid.*greater than or equal to 64"),
+        ("--load-n 2 --area-mm2 20", "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
     ],
 )
-def test_refuses(arguments: tuple[object, ...], message: str) -> None:
-    grid = () if "--grid" in arguments else ("--grid", 64)
-    code, out, err = run(*PAD, *arguments, *grid)
+def test_refuses(arguments: str, message: str) -> None:
+    code, out, err = run(*PAD, "--grid", 64, *arguments.split())
     assert (code, out) == (2, "")
     words = " ".join(err.replace("│", " ").split())
     assert re.search(message, words), words
@@ -146,8 +129,5 @@ def test_what_does_not_converge_is_one_line(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("fingerpad.contact.pressure._STEPS", 2)
     code, _, err = run(*PAD, "--load-n", 2, "--grid", 64)
     assert code == 2
-    assert re.fullmatch(
-        r"fingerpad: --load-n 2: the contact pressure did not converge in 2 steps: .* of the indentation; "
-        r"try another --grid\n",
-        err,
-    )
+    words = r"--load-n 2: the contact pressure did not converge in 2 steps: .*; try another --grid"
+    assert re.fullmatch(rf"fingerpad: {words}\n", err)

@@ -8,7 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 import uvicorn
-from filelock import FileLock
+from tests.once import made_once
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
@@ -75,48 +75,43 @@ def studies_folder(tmp_path):
     return tmp_path
 
 
-@pytest.fixture
-def workspace(studies_folder):
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
-    return workspace
-
-
-@pytest.fixture
-def client(workspace):
+@contextmanager
+def client_of(folder, **limits):
+    """Serve the folder around a study, with the study open."""
+    workspace = Workspace(folder.parent, **limits)
+    workspace.open_folder(folder)
     with serving(workspace) as client:
+        yield client
+
+
+@pytest.fixture
+def client(studies_folder):
+    with client_of(studies_folder / "demo") as client:
         yield client
 
 
 @pytest.fixture(scope="session")
 def standing(tmp_path_factory):
     """Return a client on the demo study before a run; tests must not change it."""
-    studies_folder = tmp_path_factory.mktemp("standing")
-    shutil.copytree(DEMO, studies_folder / "demo")
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
-    with serving(workspace) as client:
+    folder = tmp_path_factory.mktemp("standing") / "demo"
+    with client_of(shutil.copytree(DEMO, folder)) as client:
         yield client
 
 
 @pytest.fixture(scope="session")
 def run_once(session_folder):
     """Run the short demo study once for all processes; tests only read its results."""
-    folder = session_folder / "run-short" / "demo"
-    folder.parent.mkdir(exist_ok=True)
-    with FileLock(f"{folder}.lock"):
-        if not (folder / "results" / "report.html").exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            shutil.copytree(DEMO, folder)
-            shorten(folder)
-            run_study(folder / "study.toml", folder / "results", write_report=write_report)
-    return folder
+
+    def make(folder):
+        study = shutil.copytree(DEMO, folder / "demo")
+        shorten(study)
+        run_study(study / "study.toml", study / "results", write_report=write_report)
+
+    return made_once(session_folder / "run-short", make) / "demo"
 
 
 @pytest.fixture(scope="session")
 def done(run_once):
     """Return a client on the demo study after its run; tests must not change it."""
-    workspace = Workspace(run_once.parent)
-    workspace.open_folder(run_once)
-    with serving(workspace) as client:
+    with client_of(run_once) as client:
         yield client

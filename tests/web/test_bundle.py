@@ -4,10 +4,9 @@ import os
 import socket
 
 from tests.study.test_archive import ODD_FILES, contents, write
-from tests.web.conftest import serving
+from tests.web.conftest import client_of
 
 from fingerpad.study.manifest.load import load_study
-from fingerpad.web.workspace import Workspace
 
 
 def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
@@ -16,9 +15,7 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"no text")
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(folder / "socket"))
-        workspace = Workspace(tmp_path)
-        workspace.open_folder(folder)
-        with serving(workspace) as client:
+        with client_of(folder) as client:
             reported = client.get("/api/studies/study/bundle").json()
             left = {one["file"]: one["why"] for one in reported["left_out"]}
             assert {".data/", "socket", "a:b.png", "empty: folder/"} <= set(left)

@@ -8,46 +8,12 @@ import pytest
 from fingerpad.web.pictures import Cache
 
 
-@pytest.fixture
-def made():
-    """Keys in the order in which their values were made."""
-    return []
-
-
-@pytest.fixture
-def ask(made):
-    cache = Cache(10, len)
-
-    def ask(key, size=4):
-        return cache.get(key, lambda: made.append(key) or bytes(size))
-
-    return ask
-
-
-def test_what_was_used_last_is_kept_up_to_the_size(ask, made):
+def test_what_was_used_last_is_kept_up_to_the_size():
+    cache, made = Cache(10, len), []
     for key in "abacab":
-        ask(key)
+        cache.get(key, lambda key=key: made.append(key) or bytes(4))
     # c made room by b, which had not been used for longest.
     assert made == ["a", "b", "c", "b"]
-
-
-def test_two_that_ask_at_once_share_one_value():
-    cache, made, going = Cache(10, len), [], threading.Event()
-
-    def make():
-        going.set()
-        made.append(1)
-        asked.wait(0.2)
-        return b"x"
-
-    asked = threading.Event()
-    threads = [threading.Thread(target=cache.get, args=("a", make)) for _ in range(2)]
-    threads[0].start()
-    assert going.wait(20)
-    threads[1].start()
-    for thread in threads:
-        thread.join()
-    assert len(made) == 1
 
 
 def test_a_value_is_made_once_though_the_first_who_made_it_failed():
