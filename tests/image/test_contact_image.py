@@ -150,21 +150,6 @@ def test_semi_axes_are_less_certain_where_the_outline_is_no_ellipse():
     assert abs(float(box.ellipse.semi_major) - 6.5) < 1.96 * box.semi_major_std
 
 
-def test_settings_of_one_frame_for_others():
-    truth = render_contact_image(seed=2, noise_std=5)
-    first = measure_contact_image(truth.pixels, PPI_500)
-    assert first.dark_on_light
-    assert first.settings["ridge_period"] == first.ridge_period
-    again = measure_contact_image(truth.pixels, PPI_500, **first.settings)
-    assert again.gross_area == pytest.approx(first.gross_area, rel=0.01)
-    assert again.ridge_area == pytest.approx(first.ridge_area, rel=0.05)
-    assert again.threshold == pytest.approx(first.threshold)
-    # A first touch shows too few ridges to estimate the settings of the whole sequence.
-    touch = render_contact_image(semi_major=2.2, semi_minor=1.8, seed=2, noise_std=5, margin=6)
-    small = measure_contact_image(touch.pixels, PPI_500, **first.settings)
-    assert small.gross_area == pytest.approx(touch.gross_area, rel=0.08)
-
-
 def test_higher_threshold_less_ridge():
     pixels = render_contact_image(seed=2, noise_std=5).pixels
     areas = [measure_contact_image(pixels, PPI_500, threshold=level).ridge_area for level in (60, 100, 140)]
@@ -226,12 +211,12 @@ def pictures():
     return [(name, pixels, measure_contact_image(pixels, PPI_500)) for name, pixels in found.items()]
 
 
-def turned(pixels, degrees):
+def turned(pixels, degrees, *, level=None):
     rows, columns = pixels.shape
     matrix = cv2.getRotationMatrix2D(((columns - 1) / 2, (rows - 1) / 2), degrees, 1)
     side = math.ceil(math.hypot(rows, columns))
     matrix[:, 2] += (side - columns) / 2, (side - rows) / 2
-    level = float(np.median(pixels[:5]))
+    level = float(np.median(pixels[:5])) if level is None else level
     return cv2.warpAffine(pixels, matrix, (side, side), flags=cv2.INTER_CUBIC, borderValue=level)
 
 
@@ -268,58 +253,35 @@ def test_background_removes_stain():
     assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
 
 
-def with_text(pixels):
-    out = pixels.copy()
-    cv2.putText(out, "FINGERS TAKEN", (10, 24), cv2.FONT_HERSHEY_SIMPLEX, 0.9, 0, 3)
-    return out
-
-
-def with_heading(pixels):
-    # A line of print that touches the fingertip: its closed letters are a band.
-    out = pixels.copy()
-    cv2.putText(out, "EHEHEHEHEHEHEHE", (5, 95), cv2.FONT_HERSHEY_SIMPLEX, 0.9, 0, 4)
-    return out
-
-
-def with_pen_line(pixels):
-    out = pixels.copy()
-    cv2.line(out, (0, 300), (pixels.shape[1], 120), 0, 4)
-    return out
+def with_text(pixels, words, corner, *, font=cv2.FONT_HERSHEY_SIMPLEX, height=20, stroke=4):
+    size = cv2.getFontScaleFromHeight(font, height, stroke)
+    return cv2.putText(pixels.copy(), words, corner, font, size, 0, stroke, cv2.LINE_AA)
 
 
 def with_dust(pixels):
-    rng = np.random.default_rng(0)
     out = pixels.copy()
-    for row, column in rng.integers(0, pixels.shape, (150, 2)):
+    for row, column in np.random.default_rng(0).integers(0, pixels.shape, (150, 2)):
         cv2.circle(out, (int(column), int(row)), 2, 0, -1)
     return out
 
 
-def with_white_border(pixels):
-    side = math.ceil(math.hypot(*pixels.shape))
-    rows, columns = pixels.shape
-    matrix = cv2.getRotationMatrix2D(((columns - 1) / 2, (rows - 1) / 2), 12, 1)
-    matrix[:, 2] += (side - columns) / 2, (side - rows) / 2
-    return cv2.warpAffine(pixels, matrix, (side, side), borderValue=255)
+OBSTRUCTIONS = {
+    "text": lambda pixels: with_text(pixels, "FINGERS TAKEN", (10, 24), stroke=3),
+    # A line of print that touches the fingertip: its closed letters are a band.
+    "heading": lambda pixels: with_text(pixels, "EHEHEHEHEHEHEHE", (5, 95)),
+    "pen line": lambda pixels: cv2.line(pixels.copy(), (0, 300), (pixels.shape[1], 120), 0, 4),
+    "dust": with_dust,
+    "white border": lambda pixels: turned(pixels, 12, level=255),
+}
 
 
-@pytest.mark.parametrize("spoil", [with_text, with_heading, with_pen_line, with_dust, with_white_border])
+@pytest.mark.parametrize("spoil", OBSTRUCTIONS.values(), ids=OBSTRUCTIONS)
 def test_obstructions(spoil):
     truth = render_contact_image(seed=6, look="ink", noise_std=6, margin=3)
     found = measure_contact_image(spoil(truth.pixels), PPI_500)
     assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
     assert float(found.ellipse.semi_major) == pytest.approx(float(truth.ellipse.semi_major), rel=0.03)
     assert "touches_border" not in found.flags
-
-
-FONTS = (cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_COMPLEX, cv2.FONT_HERSHEY_SCRIPT_COMPLEX)
-
-
-def with_line_of_text(pixels, row, font, height, stroke):
-    out = np.ascontiguousarray(pixels)
-    size = cv2.getFontScaleFromHeight(font, height, stroke)
-    cv2.putText(out, "FINGERS TAKEN SIMUL", (5, row), font, size, 0, stroke, cv2.LINE_AA)
-    return out
 
 
 @pytest.mark.parametrize(("bend", "flags"), [(0.0, ("not_a_contact_image",)), (0.01, ())])
@@ -334,12 +296,17 @@ def test_ruled_lines_are_no_contact_and_bent_ridges_are(bend, flags):
 
 @pytest.mark.parametrize(
     ("look", "height", "stroke", "font"),
-    [("ink", 34, 5, FONTS[0]), ("livescan", 48, 8, FONTS[1]), ("livescan", 34, 5, FONTS[2])],
+    [
+        ("ink", 34, 5, cv2.FONT_HERSHEY_SIMPLEX),
+        ("livescan", 48, 8, cv2.FONT_HERSHEY_COMPLEX),
+        ("livescan", 34, 5, cv2.FONT_HERSHEY_SCRIPT_COMPLEX),
+    ],
 )
 def test_letters_across_a_contact_are_flagged(look, height, stroke, font):
     truth = render_contact_image(seed=6, look=look, noise_std=6, margin=3)
-    row = truth.pixels.shape[0] // 4
-    found = measure_contact_image(with_line_of_text(truth.pixels, row, font, height, stroke), PPI_500)
+    corner = (5, truth.pixels.shape[0] // 4)
+    pixels = with_text(truth.pixels, "FINGERS TAKEN SIMUL", corner, font=font, height=height, stroke=stroke)
+    found = measure_contact_image(pixels, PPI_500)
     assert found.flags == ("printed_marks",)
     assert found.gross_area == pytest.approx(truth.gross_area, rel=0.04)
 
@@ -446,7 +413,7 @@ def test_cut_patch_touches_border(side):
 
 
 def test_patch_cut_by_added_border():
-    pixels = with_white_border(render_contact_image(seed=1, look="ink").pixels[90:])
+    pixels = turned(render_contact_image(seed=1, look="ink").pixels[90:], 12, level=255)
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 

@@ -1,6 +1,7 @@
 """Frames of folders, TIFF stacks and videos: order, damage, and memory that does not grow with length."""
 
 import tracemalloc
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -130,22 +131,14 @@ def test_nan_and_large_pages_fail_alone(tmp_path):
     assert all(frame.pixels is None and "raise memory_limit" in frame.reason for frame in refused)
 
 
-def make_empty_folder(path):
-    path.mkdir()
-
-
-def make_text(path):
-    path.write_text("hello")
-
-
 @pytest.mark.parametrize(
     ("name", "make", "words"),
     [
         ("none.avi", lambda path: None, "no such file or folder"),
-        ("frames", make_empty_folder, "holds no picture"),
-        ("video.avi", make_text, "cannot be opened as a video"),
-        ("stack.tif", make_text, "cannot be read as TIFF"),
-        ("frame.png", make_text, "is one picture"),
+        ("frames", Path.mkdir, "holds no picture"),
+        ("video.avi", lambda path: path.write_text("hello"), "cannot be opened as a video"),
+        ("stack.tif", lambda path: path.write_text("hello"), "cannot be read as TIFF"),
+        ("frame.png", Path.touch, "is one picture"),
     ],
 )
 def test_not_a_sequence(tmp_path, name, make, words):

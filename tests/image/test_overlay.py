@@ -40,19 +40,13 @@ def near(canvas, colour, tolerance=12):
     return np.abs(canvas.astype(int) - colour).max(axis=-1) < tolerance
 
 
-def test_small_images_enlarged():
-    truth, found = contact()
-    canvas = draw_overlay(truth.pixels, found)
-    assert canvas.dtype == np.uint8
-    zoom = canvas.shape[0] // truth.pixels.shape[0]
-    assert canvas.shape == (zoom * truth.pixels.shape[0], zoom * truth.pixels.shape[1], 3)
-    assert max(canvas.shape) >= 1000
-
-
 def test_ellipse_position():
     truth, found = contact()
     canvas = draw_overlay(truth.pixels, found)
     zoom = canvas.shape[0] // truth.pixels.shape[0]
+    assert canvas.dtype == np.uint8
+    assert canvas.shape == (zoom * truth.pixels.shape[0], zoom * truth.pixels.shape[1], 3)
+    assert max(canvas.shape) >= 1000  # a small image is enlarged
     place = np.argwhere(near(canvas, ELLIPSE_COLOUR, 40)) / zoom - np.array(found.centroid)
     tip = place[np.linalg.norm(place, axis=1).argmax()]
     length = np.linalg.norm(tip) * truth.mm_per_px

@@ -230,17 +230,6 @@ def test_skin_and_backdrop_move_all_of_the_edge():
     assert (np.array(list(found.semi_axes_mm_std.values())) > 0.3 * MM_PER_PX).all()
 
 
-def test_colour_files(tmp_path):
-    pixels = truth_of("distal").pixels
-    Image.fromarray(pixels).save(tmp_path / "finger.png")
-    np.testing.assert_array_equal(read_colour_image(tmp_path / "finger.png"), pixels)
-    turned = Image.fromarray(pixels)
-    exif = turned.getexif()
-    exif[0x0112] = 6
-    turned.save(tmp_path / "turned.png", exif=exif)
-    np.testing.assert_array_equal(read_colour_image(tmp_path / "turned.png"), np.rot90(pixels, -1))
-
-
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_grey_files_as_colour(tmp_path, dtype):
     grey = (np.arange(64 * 64).reshape(64, 64) % 251).astype(dtype) * (1 if dtype == np.uint8 else 257)

@@ -4,6 +4,7 @@ import io
 import os
 import re
 import zlib
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -78,11 +79,14 @@ def test_transparency_on_white(tmp_path, name, dtype):
     assert (pixels[10:] == top).all()
 
 
-def test_camera_rotation(tmp_path):
+@pytest.mark.parametrize("name", ["a.jpg", "a.png"])
+def test_camera_rotation(tmp_path, name):
     exif = Image.Exif()
     exif[0x0112] = 6
-    Image.fromarray(GREY).save(tmp_path / "a.jpg", exif=exif)
-    assert read_image(tmp_path / "a.jpg").pixels.shape == GREY.shape[::-1]
+    Image.fromarray(GREY).save(tmp_path / name, exif=exif)
+    turned = np.rot90(GREY, -1)
+    np.testing.assert_allclose(read_image(tmp_path / name).pixels, turned, atol=20)
+    np.testing.assert_allclose(read_colour_image(tmp_path / name), np.dstack([turned] * 3), atol=20)
 
 
 @pytest.mark.parametrize(
@@ -174,14 +178,6 @@ def test_animation_refused(tmp_path):
         read_image(tmp_path / "a.png")
 
 
-def make_folder(path):
-    path.mkdir()
-
-
-def make_text(path):
-    path.write_text("x_mm,y_mm\n1,2\n")
-
-
 def make_truncated(path):
     noise = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
     Image.fromarray(noise).save(path.with_suffix(".full.png"))
@@ -194,26 +190,21 @@ def make_nan(path):
     tifffile.imwrite(path, values)
 
 
-def make_stack(path):
-    tifffile.imwrite(path, np.stack([GREY, GREY]), photometric="minisblack")
-
-
-def make_bomb(path):
-    # A header that promises 2·10¹⁰ pixels, with nothing behind it.
-    path.write_bytes(b"P5\n200000 100000\n255\n")
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda path: None, "no such file"),
-        (make_folder, "folder"),
+        (Path.mkdir, "folder"),
         (lambda path: path.write_bytes(b""), "empty"),
-        (make_text, "not a picture"),
+        (lambda path: path.write_text("x_mm,y_mm\n1,2\n"), "not a picture"),
         (make_truncated, "cut short"),
         (make_nan, "NaN"),
-        (make_stack, "2 pictures"),
-        (make_bomb, "raise memory_limit|far too many pixels"),
+        (lambda path: tifffile.imwrite(path, [GREY, GREY], photometric="minisblack"), "2 pictures"),
+        # A header that promises 2·10¹⁰ pixels, with nothing behind it.
+        (
+            lambda path: path.write_bytes(b"P5\n200000 100000\n255\n"),
+            "raise memory_limit|far too many pixels",
+        ),
     ],
 )
 def test_invalid_files(tmp_path, make, words):

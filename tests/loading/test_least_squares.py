@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy import optimize, stats
+from scipy import stats
 
 from fingerpad.exceptions import FitError
 from fingerpad.loading.least_squares import effective_count, fit_least_squares
@@ -21,15 +21,6 @@ def data(seed: int) -> np.ndarray:
 
 def fitted(y):
     return fit_least_squares(lambda p: decay(p, X) - y, [1, 1, 0], ["size", "rate", "level"])
-
-
-def test_agrees_with_curve_fit() -> None:
-    fit = fitted(data(0))
-    values, covariance = optimize.curve_fit(
-        lambda x, a, b, c: decay((a, b, c), x), X, data(0), p0=[1, 1, 0], xtol=1e-14, ftol=1e-14
-    )
-    assert_allclose(fit.values, values, rtol=1e-6)
-    assert_allclose(fit.covariance, covariance, rtol=1e-6)
 
 
 def test_agrees_with_statsmodels_on_a_line() -> None:
@@ -100,15 +91,6 @@ def test_undetermined_parameters_named(residuals, start, message: str) -> None:
 def test_more_parameters_than_independent_residuals() -> None:
     with pytest.raises(FitError, match="count as 2.5 independent"):
         fitted(data(0)).with_effective_count(2.5)
-
-
-def test_aicc_prefers_true_model() -> None:
-    wins = 0
-    for seed in range(30):
-        y = data(seed)
-        plain = fit_least_squares(lambda p, y=y: p[0] * np.exp(-p[1] * X) - y, [1, 1], ["size", "rate"])
-        wins += fitted(y).aicc < plain.aicc
-    assert wins >= 28
 
 
 def test_aicc_without_rows_to_spare_is_infinite() -> None:

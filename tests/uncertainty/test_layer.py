@@ -69,12 +69,6 @@ def test_budget_of_the_thickness_is_its_own_effect(name: str) -> None:
     assert propagate(layer_model, inputs(std=0.0)).budget(name)["thickness"] == 0
 
 
-def test_an_uncertain_thickness_counts_more_for_the_loading_radius_than_for_the_modulus() -> None:
-    found = propagate(layer_model, inputs())
-    shares = {name: found.budget(name)["thickness"] for name in LAYER_OUTPUTS}
-    assert shares["loading_radius_on_layer"] > 0.5 > shares["youngs_modulus_on_layer"]
-
-
 def test_incompressible_tissue_may_have_an_uncertain_poisson_ratio() -> None:
     found = propagate(layer_model, inputs(poisson_ratio=(0.5, 0.02)))
     below = propagate(layer_model, inputs(poisson_ratio=(0.48, 0.0)))

@@ -27,22 +27,15 @@ def linear(**inputs: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def expected_shares(row: int) -> dict[str, float]:
+@pytest.mark.parametrize("row", [0, 1])
+def test_budget_and_indices_of_a_linear_model(row: int) -> None:
     first = MATRIX[row, 0] ** 2 * 2.0 / (MATRIX[row] @ COVARIANCE @ MATRIX[row])
-    return {"first": first, "others": 1 - first}
-
-
-@pytest.mark.parametrize("row", [0, 1])
-def test_budget_of_linear_model(row: int) -> None:
-    budget = propagate(linear, given(GROUPS)).budget(f"y{row}")
-    assert {name: float(share) for name, share in budget.items()} == pytest.approx(expected_shares(row))
-
-
-@pytest.mark.parametrize("row", [0, 1])
-def test_sobol_indices_of_linear_model(row: int) -> None:
-    indices = sobol_indices(linear, given(GROUPS))[f"y{row}"]
-    assert indices.first == pytest.approx(expected_shares(row), abs=0.003)
-    assert indices.total == pytest.approx(expected_shares(row), abs=0.003)
+    expected, name = {"first": first, "others": 1 - first}, f"y{row}"
+    budget = propagate(linear, given(GROUPS)).budget(name)
+    assert {group: float(share) for group, share in budget.items()} == pytest.approx(expected)
+    indices = sobol_indices(linear, given(GROUPS))[name]
+    assert indices.first == pytest.approx(expected, abs=0.003)
+    assert indices.total == pytest.approx(expected, abs=0.003)
 
 
 def test_second_order_share_of_its_input() -> None:
