@@ -3,8 +3,9 @@
 import math
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.studies import contact, curve, finger, write_curve, write_study
@@ -12,9 +13,9 @@ from tests.studies import contact, curve, finger, write_curve, write_study
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write, write_report
 from fingerpad.simulate import simulate_loading_curve
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import result_files
-from fingerpad.study.results.study_result import StudyResult
 
 FINGERS, LOADS = ("left", "right", "thumb"), (1, 2)
 
@@ -29,18 +30,11 @@ def few_groups(monkeypatch) -> None:
 
 
 def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0) -> Path:
-    # Angles known so well that few random draws check the uncertainty.
     # Two angles of one finger are the least that is drawn over all.
     places = [(name, wedge) for name in fingers for wedge in ((0, 30) if name == "left" else (30,))]
+    majors = dict.fromkeys(fingers, 6.0) | {"thumb": thumb_mm}
     contacts = [
-        contact(
-            f"{name}_{wedge}_{load}",
-            load,
-            ((thumb_mm if name == "thumb" else 6.0) * load**0.3, 5.0),
-            finger=name,
-            wedge=wedge,
-            axis="",
-        )
+        contact(f"{name}_{wedge}_{load}", load, (majors[name] * load**0.3, 5.0), finger=name, wedge=wedge)
         for name, wedge in places
         for load in LOADS
     ]
@@ -48,24 +42,22 @@ def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: f
     if not (folder / "left.csv").exists():
         press = simulate_loading_curve(loading_radius=15.0, force_std=0.004, points=100)
         write_curve(folder / "left.csv", press)
-    return write_study(
-        folder,
-        *map(finger, fingers),
-        *contacts,
-        curve(finger="left", file="left.csv", thickness_mm=math.inf),  # to fit a layer takes long
-        uncertainty={"wedge_angle_deg_std": 0.3},
-        title="Many fingers",
-    )
+    pressed = curve(finger="left", file="left.csv", thickness_mm=math.inf)  # to fit a layer takes long
+    # Angles known so well that few random draws check the uncertainty.
+    stated = {"wedge_angle_deg_std": 0.3}
+    return write_study(folder, *map(finger, fingers), *contacts, pressed, uncertainty=stated)
 
 
-def run(folder: Path, on_item: Callable[[str], None] = lambda _: None, **changes: object) -> StudyResult:
-    manifest = manifest_of(folder / "study", **changes)  # type: ignore[arg-type]
-    return run_study(
-        manifest,
+def run(folder: Path, **changes: Any) -> list[str]:
+    """Run the study with such changes, and return the fingers whose pages were drawn."""
+    items: list[str] = []
+    run_study(
+        manifest_of(folder / "study", **changes),
         folder / "out",
         write_report=write_report,
-        on_progress=lambda progress: on_item(progress.item),
+        on_progress=lambda progress: items.append(progress.item),
     )
+    return finger_pages(items)
 
 
 def pages(out: Path) -> dict[str, bytes]:
@@ -112,12 +104,9 @@ def test_one_page_per_finger_and_index(drawn):
 def test_only_changed_pages_redrawn(finished):
     out = finished / "out"
     before = pages(out)
-    items: list[str] = []
-    run(finished, items.append)
-    assert finger_pages(items) == []
+    assert run(finished) == []
     assert pages(out) == before
-    run(finished, items.append, thumb_mm=6.2)
-    assert finger_pages(items) == ["page of thumb"]
+    assert run(finished, thumb_mm=6.2) == ["page of thumb"]
     after = pages(out)
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
 
@@ -126,9 +115,7 @@ def test_only_changed_pages_redrawn(finished):
 def test_page_with_lost_file_redrawn(finished, lost):
     out = finished / "out"
     (out / lost).unlink()
-    items: list[str] = []
-    run(finished, items.append)
-    assert finger_pages(items) == ["page of left"]
+    assert run(finished) == ["page of left"]
     assert (out / lost).is_file()
 
 
@@ -163,17 +150,16 @@ def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path):
     before = {name: (out / name).read_bytes() for name in result_files(out)}
     drawn: list[str] = []
 
-    def stop(what: str) -> None:
-        drawn.extend(finger_pages([what]))
+    def stop(progress: Progress) -> None:
+        drawn.extend(finger_pages([progress.item]))
         if len(drawn) == 2:
             raise KeyboardInterrupt
 
+    manifest = manifest_of(tmp_path / "study", thumb_mm=6.2)
     with pytest.raises(KeyboardInterrupt):
-        run(tmp_path, stop, thumb_mm=6.2)
+        run_study(manifest, out, write_report=write_report, on_progress=stop)
     assert {name: (out / name).read_bytes() for name in result_files(out)} == before
-    items: list[str] = []
-    run(tmp_path, items.append, thumb_mm=6.2)
-    assert set(finger_pages(items)).isdisjoint(drawn)
+    assert set(run(tmp_path, thumb_mm=6.2)).isdisjoint(drawn)
     assert pages(out).keys() == set(FINGERS)
 
 

@@ -319,3 +319,98 @@ def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve4*.svg")}
     assert len(names) == 7
     assert "curve4_f_30deg_simulator.svg" in names
+
+
+# What is measured in a curve or outline whose scale has a name: one uncertain number for all of them
+
+CAMERA = {"mm_per_px": 0.05, "relative_std": 0.03}
+LOST = {"coin": "none.png", "diameter_mm": 23.25}
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory) -> list[CurveResult]:
+    """Return a curve without a scale, by its name, by its uncertainty and lost; and another by its name."""
+    folder = tmp_path_factory.mktemp("fitted")
+    for seed in (0, 1):
+        write_curve(folder / f"{seed}.csv", seed=seed)
+    np.savetxt(folder / "none.png", [[0]])
+    ways = {}, {"scale": "camera"}, {"area_relative_std": 0.06}, {"scale": LOST}
+    curves = *(on_half_space("0.csv", **keys) for keys in ways), on_half_space("1.csv", scale="camera")
+    return studies.run(folder, finger(), *curves, scales={"camera": CAMERA}).curves
+
+
+def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted):
+    plain, named, stated, *_ = fitted
+    # R_g goes with the areas, which have twice the scale's uncertainty, and E with its square root.
+    for name, added in (("loading_radius", 0.06), ("youngs_modulus", 0.03), ("initial_modulus", 0.03)):
+        before, after = (getattr(one.fit, name) for one in (plain, named))
+        assert after.value == pytest.approx(before.value, rel=1e-6)
+        assert np.sqrt(after.std**2 - before.std**2) / after.value == pytest.approx(added, rel=0.05), name
+        assert getattr(stated.fit, name).std == pytest.approx(after.std), name
+    before, after = (one.fit.contact_offset for one in (plain, named))
+    assert after.std == pytest.approx(before.std, rel=1e-2)
+
+
+def test_curves_of_one_scale_do_not_average_its_error_out(fitted):
+    pooled = loading_radius([fitted[1], fitted[4]], ("f", 30.0, False))
+    assert pooled is not None
+    assert pooled.std / pooled.value > 0.06
+
+
+def test_a_scale_that_is_not_found_costs_its_curve(fitted):
+    assert fitted[3].reason is not None
+    assert "none.png" in fitted[3].reason
+    assert fitted[3].fit is None
+    assert all(one.fit is not None for one in fitted if one is not fitted[3])
+
+
+# Outlines in millimetres whose scale has a name: one uncertain number for all of them
+
+AXES = np.array(list(PAD.values()))
+
+
+def with_outlines(folder: Path, scale: dict[str, object], *more: Table) -> StudyResult:
+    folder.mkdir(exist_ok=True)
+    return studies.run(
+        folder,
+        finger(photographs=write_outlines(folder, **scale)),
+        contact(load=1, axis=""),
+        *more,
+        uncertainty={"wedge_angle_deg_std": 0.3},
+        scales={"camera": CAMERA, "other": CAMERA},
+    )
+
+
+def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path):
+    own, shared = (
+        with_outlines(tmp_path / name, scale).fingers["f"]
+        for name, scale in (("own", {"outline_relative_std": 0.03}), ("shared", {"scale": "camera"}))
+    )
+    assert (own.scale, shared.scale) == (None, "camera")
+    relative = np.sqrt(np.diagonal(shared.covariance)) / AXES
+    assert (relative > 0.03).all()  # three faces of one scale do not average its error out
+    size = np.ones(3) / (3 * AXES)  # of the logarithm of the geometric mean
+    assert np.sqrt(size @ shared.covariance @ size) > 0.03 > 1.2 * np.sqrt(size @ own.covariance @ size)
+
+
+def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path):
+    found = with_outlines(tmp_path / "study", {"scale": "camera"}).study
+    assert not [words for words in found.taken_as_exact() if "outlines" in words or "scale" in words]
+
+
+def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path):
+    spreads, radii = {}, {}
+    for scale in ("camera", "other"):
+        (folder := tmp_path / scale).mkdir()
+        write_curve(folder / "curve.csv", points=50)
+        result = with_outlines(folder, {"scale": "camera"}, of_file("curve.csv", scale=scale))
+        (validity,), (of_curve,) = result.validities, result.curves
+        radii[scale] = of_curve.layer.radius
+        (check,) = (one for one in validity.checks if one.check == "radius_against_loading")
+        spreads[scale] = check.relative_std
+    # The pad's radius goes with the scale of its outlines, R_g with the square of that of the areas.
+    first, second = 1 + 0.03 * np.random.default_rng(0).normal(size=(2, 100_000))
+    shared, apart = np.log(first / first**2).var(), np.log(first / second**2).var()
+    assert spreads["other"] ** 2 - spreads["camera"] ** 2 == pytest.approx(apart - shared, rel=0.05)
+    # In the fit of a layer areas that are wrong by the scale tell how wrong the radius is.
+    assert radii["camera"].std < 0.95 * radii["other"].std

@@ -4,6 +4,7 @@ import json
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ import pytest
 from pyarrow import parquet
 from scipy import io
 from tests import command
-from tests.studies import contact, correct, finger, picture, rows_of, write_study
+from tests.studies import Table, contact, correct, finger, picture, rows_of, write_study
 from tests.sums import write_sums
 
 import fingerpad as fp
@@ -22,27 +23,24 @@ from fingerpad.study.results.load import export_results, read_rows
 from fingerpad.study.results.table import COLUMNS
 
 
-def make(folder: Path) -> Path:
-    at_45 = {"finger": "index", "wedge": 45}
-    return write_study(
-        folder,
-        finger("index"),
-        contact("heavy", finger="index"),
-        contact("light", 0.5, (5.3, 4.2), axis="", synthetic=True, **at_45),
-        picture("lost", "broken.png", 0.5, scale={"ppi": 500}, **at_45),
-        title="Two presses, é",
-        uncertainty={"wedge_angle_deg_std": 0.5},
-    )
+def make(
+    folder: Path, *more: Table, load: float = 2, first: float = 30, second: float = 45, **of: Any
+) -> Path:
+    heavy = contact("heavy", load, finger="index", wedge=first)
+    light = contact("light", 0.5, (5.3, 4.2), finger="index", wedge=second, axis="", **of)
+    stated = {"wedge_angle_deg_std": 0.5}
+    tables = finger("index"), heavy, light, *more
+    return write_study(folder, *tables, title="Two presses, é", uncertainty=stated)
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory) -> Path:
+    """Return the results, in all columns, of a study of which one picture cannot be read."""
     folder = tmp_path_factory.mktemp("study")
-    make(folder)
     (folder / "broken.png").write_bytes(b"no picture")
-    out = folder / "out"
-    run_study(folder / "study.toml", out, all_columns=True)
-    return out
+    lost = picture("lost", "broken.png", 0.5, finger="index", wedge=45, scale={"ppi": 500})
+    run_study(make(folder, lost, synthetic=True), folder / "out", all_columns=True)
+    return folder / "out"
 
 
 def copied(results: Path, folder: Path, **changed: str) -> Path:
@@ -117,11 +115,9 @@ def test_every_column_has_the_unit_that_its_name_says():
 
 
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path):
-    make(tmp_path)
-    (tmp_path / "broken.png").write_bytes(b"no picture")
-    reason = '=HYPERLINK("https://example.org")'
+    manifest, reason = make(tmp_path), '=HYPERLINK("https://example.org")'
     correct(tmp_path, "heavy", {"rejected": reason}, who="@anna")
-    run_study(tmp_path / "study.toml", tmp_path / "out")
+    run_study(manifest, tmp_path / "out")
     row, *_ = rows_of(tmp_path / "out" / "results.csv")
     assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
     read = read_rows(tmp_path / "out").iloc[0]
@@ -222,43 +218,33 @@ def test_an_older_export_stays_where_a_new_one_fails(results, tmp_path):
 # Results in memory: what a run wrote, a DataFrame and a summary
 
 
-def make_two(folder: Path, load: float = 2, first: float = 30, second: float = 45) -> Path:
-    heavy = contact("heavy", load, finger="index", wedge=first)
-    light = contact("light", 0.5, (5.3, 4.2), finger="index", wedge=second, axis="")
-    return write_study(folder, finger("index"), heavy, light, title="Two presses")
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> str:
-    study = tmp_path_factory.mktemp("study")
-    make_two(study)
-    fp.run_study(str(study), str(study / "out"))
-    return str(study / "out")
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    make(tmp_path)
+    fp.run_study(str(tmp_path), str(tmp_path / "out"))
+    return tmp_path / "out"
 
 
 def test_the_table_holds_what_the_file_says(folder):
-    results = fp.load_results(folder)
-    rows = rows_of(Path(folder) / "results.csv")
+    results = fp.load_results(str(folder))
+    rows = rows_of(folder / "results.csv")
     assert isinstance(results.table, pd.DataFrame)
     assert list(results.table) == list(rows[0])
-    assert (len(results.table), results.title) == (2, "Two presses")
+    assert (len(results.table), results.title) == (2, "Two presses, é")
     assert results.table["observation"].tolist() == ["heavy", "light"]
     np.testing.assert_array_equal(results.table["load_N"], [float(row["load_N"]) for row in rows])
     assert results.table.attrs["units"]["youngs_modulus_kpa"] == "kPa"
     assert set(results.table.attrs["units"]) == set(results.table)
     assert results.summary.summaries[0].finger == "index"
     assert len(repr(results)) < 100
-
-
-def test_a_notebook_shows_the_answers(folder):
-    shown = fp.load_results(folder)._repr_html_()
-    assert shown.startswith("<strong>Two presses</strong><ul><li>index, 30°: modulus 67.1 ± ")
+    shown = results._repr_html_()
+    assert shown.startswith("<strong>Two presses, é</strong><ul><li>index, 30°: modulus 67.1 ± ")
     assert shown.count("<li>") == shown.count(" mm.</li>") == 2
-    assert "&lt;Results of &#x27;Two presses&#x27;: 2 rows" in shown
+    assert "&lt;Results of &#x27;Two presses, é&#x27;: 2 rows" in shown
 
 
 def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(tmp_path):
-    make_two(tmp_path)
+    make(tmp_path)
     fp.run_study(tmp_path)
     few = fp.load_results(tmp_path / "results").table
     fp.run_study(tmp_path, all_columns=True)
@@ -279,7 +265,7 @@ def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(
 
 
 def test_results_lie_beside_the_manifest(tmp_path):
-    make_two(tmp_path)
+    make(tmp_path)
     with pytest.raises(FingerpadError, match="no finished run"):
         fp.load_results(str(tmp_path))
     fp.run_study(tmp_path)
@@ -291,11 +277,11 @@ def test_results_lie_beside_the_manifest(tmp_path):
 
 
 def test_loads_and_angles_in_other_units_are_noted(tmp_path):
-    assert fp.run_study(make_two(tmp_path, load=2000, second=0.785)).notes == (
+    assert fp.run_study(make(tmp_path, load=2000, second=0.785)).notes == (
         "heavy: more than 100 N: is load_N in millinewtons, not newtons?",
         "light: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
     )
-    assert fp.run_study(make_two(tmp_path, first=1.2, second=0.5)).notes == (
+    assert fp.run_study(make(tmp_path, first=1.2, second=0.5)).notes == (
         "heavy and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
     )
-    assert fp.run_study(make_two(tmp_path, load=100, second=0)).notes == ()
+    assert fp.run_study(make(tmp_path, load=100, second=0)).notes == ()
