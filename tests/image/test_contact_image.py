@@ -530,6 +530,16 @@ def test_smudges_widen_ridge_area():
         assert found.ridge_area_std > 1.1 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
 
 
+def test_grease_beside_contact_is_left_out():
+    for seed in (0, 2):
+        truth = render_contact_image(semi_major=5, semi_minor=5, seed=seed, noise_std=4, margin=5)
+        row, column = np.indices(truth.pixels.shape)
+        away = np.hypot(row - 85, column - truth.pixels.shape[1] / 2)
+        blurred = cv2.GaussianBlur(truth.pixels.astype(float), (0, 0), 2)
+        found = measure_contact_image(blurred - 100 * np.exp(-((away / 20) ** 2) / 2), PPI_500)
+        assert found.gross_area == pytest.approx(truth.gross_area, rel=0.032)
+
+
 def test_blur_keeps_ridge_area():
     errors = []
     for seed in range(4):

@@ -207,6 +207,17 @@ class AreaMoments:
         (x, y), (major, minor) = map(float, self.centroid), map(float, self.semi_axes)
         return ImageEllipse(centre=(y, x), semi_axes=(major, minor), orientation=self.orientation)
 
+    def overlap(self, outline: FloatArray) -> float:
+        """Return the intersection over union of the outline (x, y) of this region and its ellipse.
+
+        In units of the semi-axes that is a unit disk: rays from its centre end at the outline or at 1.
+        """
+        place = ((outline - self.centroid) @ self.axes.T / self.semi_axes) @ [1, 1j]
+        turn = np.angle(shifted(place, 1) * place.conj())
+        squares = np.minimum(np.abs(place) ** 2, 1)
+        both = abs(float((squares + shifted(squares, 1)) @ turn)) / 4
+        return both / (2 * math.pi - both)
+
 
 def evenly_spaced(
     points: FloatArray, spacing: float = 1.0, *, closed: bool = True, min_count: int = 16

@@ -15,7 +15,6 @@ Five steps, each with its own type and module:
    their uncertainty and doubts about them: a `ContactImageResult`.
 """
 
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -31,7 +30,7 @@ from fingerpad.image.contact_image.edge import Edge, trace_edge
 from fingerpad.image.contact_image.manual import RegionEdit, region_after_strokes, region_of_ellipse
 from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.result import LOW_CONTRAST, ContactImageResult, evaluate
-from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
+from fingerpad.image.contact_image.ridges import CLEAR_RISE, Ridges, find_ridges, smoothed
 from fingerpad.image.contact_image.smooth import evaluate_smooth, find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
@@ -43,6 +42,8 @@ _NO_CONTRAST: Final = 2.5
 # Relative standard uncertainty of a threshold that a person chose.
 _THRESHOLD_STD: Final = 0.2
 _HISTOGRAM_BINS: Final = 128
+# Regions that overlap less with their ellipse may contain smears.
+_ROUND: Final = 0.96
 
 
 def measure_contact_image(
@@ -125,9 +126,13 @@ class PreparedContactImage(Displayed):
         return self._found is not None and self._view.resolved and not self._found[1].mostly_bare
 
     def is_within(self, other: "PreparedContactImage") -> bool:
-        """Return whether the contact found is smaller than another, or there is no other."""
-        own, its = (math.inf if one._found is None else one._found[0].patch.mean() for one in (self, other))
-        return bool(own < its)
+        """Return whether the contact found is a smaller one in that of another, or there is no other."""
+        if self._found is None or other._found is None:
+            return self._found is not None
+        own, its = self._found[0].patch, other._found[0].patch
+        column, row = self._view.to_picture(self._found[1].points).mean(axis=0)
+        place = other._view.to_copy_pixel(row, column)
+        return bool(own.mean() < its.mean() and place is not None and its[place])
 
     def level_histogram(self) -> tuple[FloatArray, FloatArray]:
         """Return how many pixels have which level, and the bins' edges, to choose a threshold by.
@@ -216,10 +221,28 @@ def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | N
     if reason is None:
         try:
             region = find_region(view, ridges, seed)
+            if threshold is None and region.roundness < _ROUND:
+                ridges, region = _without_smears(view, ridges, region, seed)
             found = region, trace_edge(view, ridges, region)
         except ImageError as error:
             reason = str(error)
     return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
+
+
+def _without_smears(
+    view: View, ridges: Ridges, region: Region, seed: tuple[float, float] | None
+) -> tuple[Ridges, Region]:
+    """Leave places without ridges out of the contact where it is the rounder for that.
+
+    Grease beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
+    """
+    clear = find_ridges(view, None, CLEAR_RISE)
+    with suppress(ImageError):
+        part = find_region(view, clear, seed)
+        common = np.count_nonzero(part.patch & region.patch)
+        if 2 * common > np.count_nonzero(region.patch) and part.roundness > region.roundness:
+            return clear, part
+    return ridges, region
 
 
 def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:

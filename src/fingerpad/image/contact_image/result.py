@@ -28,7 +28,7 @@ from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View
-from fingerpad.image.ellipse import AreaMoments, polygon_moments, shifted
+from fingerpad.image.ellipse import AreaMoments, polygon_moments
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 # Contrast over noise below which the contact hardly stands out from noise.
@@ -294,7 +294,7 @@ def contact_result(
     values = np.array([*moments.semi_axes, moments.area, ridge_area]) * units
     semi_major, semi_minor, gross_area, ridge_area = values.tolist()
     column, row = moments.centroid
-    overlap = _overlap(view.to_picture(edge.points), moments)
+    overlap = moments.overlap(view.to_picture(edge.points))
     shared = {
         # Beyond the edge seen, fading is a guess.
         "touches_border": view.touches_border(edge.moved(-edge.fade), edge.steps),
@@ -370,15 +370,3 @@ def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray
     mean, square = (box(part, cv2.CV_32F, (side, side)) for box in (cv2.boxFilter, cv2.sqrBoxFilter))
     smooth = ((square - mean * mean < _MIN_SPREAD**2) & (mean > _NOTHING)).astype(np.uint8)
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
-
-
-def _overlap(outline: FloatArray, moments: AreaMoments) -> float:
-    """Return the intersection over union of an outline (x, y) and its ellipse.
-
-    In units of the semi-axes that is a unit disk: rays from its centre end at the outline or at 1.
-    """
-    place = ((outline - moments.centroid) @ moments.axes.T / moments.semi_axes) @ [1, 1j]
-    turn = np.angle(shifted(place, 1) * place.conj())
-    squares = np.minimum(np.abs(place) ** 2, 1)
-    both = abs(float((squares + shifted(squares, 1)) @ turn)) / 4
-    return both / (2 * math.pi - both)

@@ -29,8 +29,9 @@ _SMOOTHING: Final = 0.09
 _ROUNDS: Final = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
 _PRIOR: Final = 0.03
-# Least rise from valley to ridge, as a share of the picture's contrast.
-_MIN_RISE: Final = 0.3
+# Least rise from valley to ridge, as a share of the picture's contrast; smears have less than the second.
+LEAST_RISE: Final = 0.3
+CLEAR_RISE: Final = 0.5
 # Levels are taken from every other pixel where a period has more than so many.
 _LEAST_FOR_STEP: Final = 4
 # More pixels to a ridge period than this tell nothing more; the ridges' share needs fewer places.
@@ -58,11 +59,12 @@ class Ridges:
         return quantile(self.level[inside] if inside.any() else self.level.ravel(), 0.5)
 
 
-def find_ridges(view: View, threshold: float | None) -> Ridges:
+def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_RISE) -> Ridges:
     """Tell ridges from valleys in the copy.
 
     The two levels are Ridler & Calvard's means over windows of three periods, or the whole picture's where a
-    window lacks one; with a `threshold` zero and twice that everywhere.
+    window lacks one; with a `threshold` zero and twice that everywhere. A rise of less than `least_rise`, in
+    parts of the picture's contrast, is taken for as much.
     """
     values = smoothed(view)
     if threshold is not None:
@@ -71,7 +73,7 @@ def find_ridges(view: View, threshold: float | None) -> Ridges:
     else:
         step = 2 if view.period >= _LEAST_FOR_STEP else 1
         side = max(1, round(_WINDOW * view.period / step / 3))
-        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast)
+        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast, least_rise)
         above = np.subtract(values, enlarge(valley, side * step, values.shape))
         scale = enlarge(as_float32(255 / rise), side * step, values.shape)
         amount = _as_uint8(cv2.multiply(above, scale, dtype=cv2.CV_8U))
@@ -92,7 +94,9 @@ def _as_uint8(values: npt.NDArray[Any]) -> UInt8:
     return np.asarray(values, dtype=np.uint8)
 
 
-def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
+def _levels(
+    smooth: Float32Array, side: int, contrast: float, least_rise: float
+) -> tuple[Float32Array, Float32Array]:
     """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
 
     A window is three blocks wide.
@@ -106,7 +110,7 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, _MIN_RISE * contrast)
+        rise = np.maximum(ridge - valley, least_rise * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 
@@ -350,7 +354,7 @@ def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple
         _blurred(as_float32(extreme(values, around)), RIDGE_LEVEL.smoothing * period)
         for extreme in (cv2.erode, cv2.dilate)
     )
-    rise = np.maximum(high - low, np.float32(_MIN_RISE * contrast))
+    rise = np.maximum(high - low, np.float32(LEAST_RISE * contrast))
     low, rise = (enlarge(as_float32(each), _HALF_SIZE, values.shape) for each in (low, rise))
     return low, rise
 
