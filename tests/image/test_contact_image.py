@@ -317,6 +317,8 @@ def test_form_text_in_real_prints_is_flagged():
     for path in paths:
         assert "touches_border" in measured(path).flags
         assert 150 < measured(path).gross_area < 460
+    with pytest.raises(ImageError, match="no contact found"):
+        measured(INK / "a999_01p.pgm")
     flagged = {path.stem for path in paths if "printed_marks" in measured(path).flags}
     assert flagged == {"a001_03p", "a001_04p", "b001_04p", "b001_08p"}
 
@@ -406,14 +408,15 @@ def test_cut_at_joint_crease():
     assert found.gross_area == pytest.approx(tip.gross_area, rel=0.05)
 
 
-@pytest.mark.parametrize("side", range(4))
-def test_cut_patch_touches_border(side):
-    pixels = np.rot90(render_contact_image(seed=1, ppi=250).pixels[45:], side)
-    assert "touches_border" in measure_contact_image(pixels, Scale.of_ppi(250)).flags
+BORDERS = {
+    **{f"turned by {90 * k}": lambda cut, k=k: np.rot90(cut, k) for k in range(4)},
+    "within an added border": lambda cut: turned(cut, 12, level=255),
+}
 
 
-def test_patch_cut_by_added_border():
-    pixels = turned(render_contact_image(seed=1, look="ink").pixels[90:], 12, level=255)
+@pytest.mark.parametrize("alter", BORDERS.values(), ids=BORDERS)
+def test_cut_patch_touches_border(alter):
+    pixels = alter(render_contact_image(seed=1, look="ink").pixels[90:])
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 
@@ -613,18 +616,8 @@ def test_finger_alone_equals_finger_in_slap(finger, hand, corner):
     assert among.gross_area == pytest.approx(alone.gross_area, rel=0.02)
     assert math.dist(among.centroid, place) < 4
     assert "several_regions" in among.flags
-
-
-@real
-def test_a_finger_cut_by_the_frame():
-    found = measure_contact_image(load(LIVE / "slap_left_four_500ppi.png"), PPI_500, seed=(800, 180))
-    assert "touches_border" in found.flags
-
-
-@real
-def test_blank_card():
-    with pytest.raises(ImageError, match="no contact found"):
-        measured(INK / "a999_01p.pgm")
+    cut = measure_contact_image(load(LIVE / "slap_left_four_500ppi.png"), PPI_500, seed=(800, 180))
+    assert "touches_border" in cut.flags
 
 
 def test_region_holds_the_pixels_whose_centre_is_inside():

@@ -32,6 +32,10 @@ def stroke(action, *points, radius=20):
     return BrushStroke(action=action, points=points, radius=radius)
 
 
+def polygon(action, points):
+    return RegionPolygon(action=action, points=[tuple(point) for point in points])
+
+
 def with_smudge():
     """A broad smudge of ridge-like stripes that grows out of the lower right of the contact."""
     pixels = TRUTH.pixels.astype(float)
@@ -137,25 +141,6 @@ def test_manual_contact_where_none_found():
     assert painted.gross_area == pytest.approx(math.pi * 60**2 * PPI_500.mm_per_px**2, rel=0.02)
 
 
-BAD = {
-    "polygon elsewhere": (
-        [RegionPolygon(action="add", points=[(9000, 9000), (9000, 9050), (9050, 9000)])],
-        None,
-        "outside the picture",
-    ),
-    "nothing left": ([stroke("remove", CENTRE, radius=390)], None, "leave no contact"),
-    "outside": ([stroke("add", (-50, 20), radius=10)], None, "lies outside the picture"),
-    "huge radius": ([stroke("add", CENTRE, radius=1e6)], None, "no more than the picture"),
-    "ellipse outside": ([], ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
-    "stroke from far away": ([stroke("add", (1e12, 0), CENTRE, radius=5)], None, "must not reach 1e\\+12 px"),
-    "huge ellipse": ([], ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
-}
-
-
-def polygon(action, points):
-    return RegionPolygon(action=action, points=[tuple(point) for point in points])
-
-
 def true_outline(count=120):
     """The truth's ellipse, written out: (row, column)."""
     t = np.linspace(0, 2 * np.pi, count, endpoint=False)
@@ -245,11 +230,22 @@ def test_histogram_counts_the_levels_that_a_threshold_parts():
     assert part.level_histogram()[0].sum() < counts.sum()
 
 
-@pytest.mark.parametrize("case", BAD)
-def test_invalid_edits(case):
-    strokes, ellipse, words = BAD[case]
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (polygon("add", [(9000, 9000), (9000, 9050), (9050, 9000)]), "outside the picture"),
+        (stroke("remove", CENTRE, radius=390), "leave no contact"),
+        (stroke("add", (-50, 20), radius=10), "lies outside the picture"),
+        (stroke("add", CENTRE, radius=1e6), "no more than the picture"),
+        (stroke("add", (1e12, 0), CENTRE, radius=5), "must not reach 1e\\+12 px"),
+        (ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
+        (ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
+    ],
+)
+def test_invalid_edits(edit, words):
+    drawn = {"ellipse": edit} if isinstance(edit, ImageEllipse) else {"strokes": [edit]}
     with pytest.raises(ImageError, match=words):
-        PREPARED.measure(strokes, ellipse)
+        PREPARED.measure(**drawn)
 
 
 def test_the_edge_and_a_manual_threshold_are_independent():

@@ -213,8 +213,7 @@ def test_pad_cut_by_frame_refused():
         measure_photograph(cut, "palmar", SCALE)
 
 
-@pytest.mark.parametrize("face", ["palmar", "radial"])
-@pytest.mark.parametrize(("turns", "tip"), [(1, "left"), (3, "right")])
+@pytest.mark.parametrize(("face", "turns", "tip"), [("palmar", 1, "left"), ("radial", 3, "right")])
 def test_tip_that_the_picture_contradicts_refused(face, turns, tip):
     turned = np.rot90(truth_of(face).pixels, turns)
     with pytest.raises(ImageError, match=f"give tip {tip}"):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from fingerpad.exceptions import ImageError, LoadingError
+from fingerpad.exceptions import ImageError
 from fingerpad.image import (
     ForceSignal,
     Frame,
@@ -301,20 +301,10 @@ def test_sequence_without_contact_refused(frames, words):
         list(measure_sequence(frames, SCALE))
 
 
-def test_force_needs_clock(frames, signal):
-    with pytest.raises(LoadingError, match="times of the frames"):
-        next(measure_sequence(frames, SCALE, force=signal))
-
-
 @pytest.mark.parametrize("bad", [{"load": [-1.0]}, {"load": [math.nan]}, {"load": [1.0], "radii": (5, 9)}])
 def test_invalid_presses(bad):
     with pytest.raises(ValueError, match="load|radius"):
         render_sequence(**bad)
-
-
-def test_generator_refused(frames):
-    with pytest.raises(ImageError, match="give a list"):
-        next(measure_sequence((frame for frame in frames), 25.4 / 300))
 
 
 def test_texture_beside_the_mask_and_of_the_background_is_no_contact():
