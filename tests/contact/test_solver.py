@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
+from fingerpad.contact.grid import contact_outline
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.geometry import Paraboloid
 
@@ -189,3 +190,14 @@ def test_a_gap_that_does_not_close_is_refused(gap, given: dict[str, float]) -> N
 def test_no_convergence_without_edge() -> None:
     with pytest.raises(ConvergenceError, match="did not settle on the contact"):
         solve_gap(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)
+
+
+@pytest.mark.parametrize("degrees", [-80, -45, -10, 10, 45, 80])
+def test_long_axis_points_forward(degrees: int) -> None:
+    x = np.linspace(-2.2, 2.2, 80)
+    along, across = np.meshgrid(x, x, indexing="ij")
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    inside = 1 - ((cosine * along + sine * across) / 2) ** 2 - (cosine * across - sine * along) ** 2
+    outline = contact_outline(x, x, np.sqrt(np.maximum(inside, 0)))
+    assert_allclose(np.degrees(outline.long_axis_angle), degrees, atol=1e-3)
+    assert_allclose([outline.semi_major, outline.semi_minor], [2, 1], rtol=1e-5)

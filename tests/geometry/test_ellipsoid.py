@@ -1,13 +1,14 @@
-"""The ellipsoid: limits, invariants, and curvature by independent routes."""
+"""The ellipsoid and the plane ellipse: limits, invariants, and curvature by independent routes."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipse, Ellipsoid
+from fingerpad.geometry.curvature import principal_curvatures
 from fingerpad.geometry.placement import platen_normal
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -114,3 +115,45 @@ def test_invalid_axes(name: str, bad: float) -> None:
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8} | {name: bad}
     with pytest.raises(GeometryError, match=f"semi-axis {name} must be positive and finite, found"):
         Ellipsoid(**axes)
+
+
+def test_published_ellipses() -> None:
+    ellipse = Ellipse([5.3, 7.4], [4.2, 5.0])
+    assert_allclose(ellipse.eccentricity, [0.6099332, 0.7371990], atol=6e-8)
+    assert_allclose(ellipse.area, [69.93, 116.24], atol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        ((4.0, 5.0), "semi_minor must be no longer than semi_major .*, found 5"),
+        ((0.0, 0.0), "semi_major must be positive and finite, found 0"),
+        ((5.0, -1.0), "semi_minor must be positive and finite, found -1"),
+        ((np.nan, 1.0), "semi_major must be positive and finite, found nan"),
+        ((np.inf, 1.0), "semi_major must be positive and finite, found inf"),
+        (([5.0, 5.0], [4.0, 6.0]), "found 6 at index 1"),
+    ],
+)
+def test_invalid_ellipses(axes, message: str) -> None:
+    with pytest.raises(GeometryError, match=message):
+        Ellipse(*axes)
+
+
+@given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
+@example(-0.0, -0.0, 1.0)
+@example(-0.0, 0.0, -1.0)
+def test_principal_curvatures_of_random_tensors(first, second, mixed) -> None:
+    curvatures, angle = principal_curvatures(first, second, mixed)
+    tensor = np.array([[first, mixed], [mixed, second]])
+    assert_allclose(np.sort(curvatures), np.linalg.eigvalsh(tensor), atol=1e-12)
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    assert_allclose(direction @ tensor @ direction, curvatures[0], atol=1e-12)
+    assert abs(angle) <= np.pi / 4 + 1e-12
+
+
+def test_complex_step_keeps_order() -> None:
+    step = 1e-30j
+    for first in (1.0, -1.0):
+        up, down = (principal_curvatures(first + sign * step, first, 0.5)[0].real for sign in (1, -1))
+        assert_allclose(up, [first + 0.5, first - 0.5], rtol=1e-15)
+        assert_allclose(down, up, rtol=1e-15)

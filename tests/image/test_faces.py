@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,13 +66,7 @@ def test_unit_invariance(unit, seed):
     faces = some_faces(np.random.default_rng(seed))
     one = combine_faces(faces)
     other = combine_faces(
-        FaceSemiAxes(
-            face=each.face,
-            semi_axes=unit * each.semi_axes,
-            covariance=unit**2 * each.covariance,
-            relative_scale_std=each.relative_scale_std,
-        )
-        for each in faces
+        replace(each, semi_axes=unit * each.semi_axes, covariance=unit**2 * each.covariance) for each in faces
     )
     np.testing.assert_allclose(other.semi_axes, unit * one.semi_axes, rtol=1e-9)
     np.testing.assert_allclose(other.stds, unit * one.stds, rtol=1e-6)

@@ -162,31 +162,21 @@ def pressed(
     )
 
 
-@pytest.mark.parametrize(
-    ("way", "contact"),
-    [
-        ([(12, 1), (0, 10)], 10),
-        ([(12, 1), (0, 50)], 10),
-        ([(12, 1), (-20, 10)], 10),
-        ([(32, 1), (0, 1)], 30),
-        ([(62, 1), (0, 5)], 60),
-        ([(12, 1), (11, 10)], 10),
-        ([(9.5, 10), (12, 0.5), (0, 10)], 10),
-        ([(9.5, 10), (np.nan, 2), (12, 0.5), (0, 10)], 10),
-        ([(np.nan, 5), (12, 1), (np.nan, 5), (0, 5)], 10),
-    ],
-    ids=[
-        "fast way out",
-        "very fast way out",
-        "ends in mid-air",
-        "long approach",
-        "very long approach",
-        "ends soon after the top",
-        "fast approach",
-        "fast approach and rest",
-        "rests before and in contact",
-    ],
-)
+REST = np.nan
+WAYS = {  # targets (mm) with speeds (mm/s), or rests with their time (s), and the place of contact (mm)
+    "fast way out": ([(12, 1), (0, 10)], 10),
+    "very fast way out": ([(12, 1), (0, 50)], 10),
+    "ends in mid-air": ([(12, 1), (-20, 10)], 10),
+    "long approach": ([(32, 1), (0, 1)], 30),
+    "very long approach": ([(62, 1), (0, 5)], 60),
+    "ends soon after the top": ([(12, 1), (11, 10)], 10),
+    "fast approach": ([(9.5, 10), (12, 0.5), (0, 10)], 10),
+    "fast approach and rest": ([(9.5, 10), (REST, 2), (12, 0.5), (0, 10)], 10),
+    "rests before and in contact": ([(REST, 5), (12, 1), (REST, 5), (0, 5)], 10),
+}
+
+
+@pytest.mark.parametrize(("way", "contact"), WAYS.values(), ids=WAYS)
 @pytest.mark.parametrize("sticks", [0.0, 0.3])
 def test_the_press_of_ordinary_records_is_found(way, contact: float, sticks: float) -> None:
     curve = pressed(way, contact=contact, sticks=sticks)

@@ -1,5 +1,7 @@
 """R_g from simulated curves of known truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -37,12 +39,7 @@ def test_std_coverage() -> None:
     hits = 0
     for _ in range(400):
         curve = simulated(rng)
-        noisy = LoadingCurve(
-            load=curve.load,
-            indentation=curve.indentation,
-            area=curve.area + rng.normal(0, 3, curve.load.size),
-        )
-        fit = fit_contact_compliance(noisy)
+        fit = fit_contact_compliance(replace(curve, area=curve.area + rng.normal(0, 3, curve.load.size)))
         hits += fit.lower <= TRUE_RADIUS <= fit.upper
     assert 0.92 <= hits / 400 <= 0.98
 
@@ -51,18 +48,10 @@ def test_std_coverage() -> None:
 @pytest.mark.parametrize("force_offset", [0.0, 0.05])
 def test_rows_before_contact_do_not_count(approach: float, force_offset: float) -> None:
     """Their force is noise, above or below zero, and their area is none."""
+    given = {"points": 200, "approach": approach, "force_offset": force_offset}
+    noise = {"force_std": 0.005, "area_std": 0.5}
     found = [
-        fit_contact_compliance(
-            simulate_loading_curve(
-                points=200,
-                approach=approach,
-                force_offset=force_offset,
-                force_std=0.005,
-                area_std=0.5,
-                seed=seed,
-            )
-        )
-        for seed in range(10)
+        fit_contact_compliance(simulate_loading_curve(**given, **noise, seed=seed)) for seed in range(10)
     ]
     errors = np.array([(one.value - 15) / one.std for one in found])
     assert abs(errors.mean()) < 1
@@ -72,12 +61,7 @@ def test_rows_before_contact_do_not_count(approach: float, force_offset: float) 
 def test_the_way_out_and_other_presses_do_not_count() -> None:
     curve = simulate_loading_curve(points=900, cycles=3, hold=0.5, unloading=True, area_std=0.5, seed=3)
     third = np.arange(900) // 300
-    spoiled = LoadingCurve(
-        load=curve.load,
-        indentation=curve.indentation,
-        time=curve.time,
-        area=np.where(third == 1, curve.area, 2 * curve.area),
-    )
+    spoiled = replace(curve, area=np.where(third == 1, curve.area, 2 * curve.area))
     assert abs(fit_contact_compliance(spoiled, cycle=1).value - 15) < 0.2
     assert abs(fit_contact_compliance(spoiled, cycle=2).value - 30) < 0.4
     with pytest.raises(LoadingError, match="the record has 3 cycles, numbered from 0; there is no 3"):

@@ -68,7 +68,6 @@ SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [
             lambda: Inputs.of(load=np.array([1, 2])),
             r"load: .* exact arrays as \(values, 0\); found an array of 2",
         ),
-        (lambda: Inputs.of(wedge_angle=np.radians((30, 3))), "wedge_angle: .* found an array of 2"),
         (lambda: Inputs.of(load=np.array([[1, 2], [3, 4]])), "found an array of 2"),
         (Inputs.of, "no inputs"),
         (lambda: Inputs.of(load=(2, -0.1)), "uncertainty of load must be positive or zero, found -0.1"),

@@ -17,14 +17,8 @@ CIRCLE = {**EXACT, "semi_major": 5.0}
 
 
 def observed(
-    image_scale: Any,
-    edge_offset: Any,
-    semi_major: Any,
-    semi_minor: Any,
-    radius_deviation: Any,
-    elongation_deviation: Any,
-    **rest: Any,
-) -> Any:
+    *, image_scale, edge_offset, semi_major, semi_minor, radius_deviation, elongation_deviation, **rest
+) -> dict[str, Any]:
     """Return the outputs of the ellipse that measured quantities make."""
     ellipse = [
         image_scale * axis * np.exp(radius_deviation + sign * elongation_deviation / 2) + edge_offset
