@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import savemat
 from tests import command, studies
 from tests.studies import PAD, Table, contact, finger, run_watched, write_numbers, write_outlines
-from tests.workbooks import sheet_xml, workbook
 
 from fingerpad._digest import digest_of_values
 from fingerpad._rounding import value_with_uncertainty
@@ -89,21 +87,6 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path):
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
 
 
-def test_curves_from_matlab_and_workbooks_are_that_of_the_csv(tmp_path):
-    write_curve(tmp_path / "press.csv", points=60, area=False)
-    header, *_ = (tmp_path / "press.csv").read_text().splitlines()
-    values = np.loadtxt(tmp_path / "press.csv", delimiter=",", skiprows=1)
-    columns = header.split(",")
-    savemat(tmp_path / "press.mat", dict(zip(columns, values.T, strict=True)))
-    (tmp_path / "press.xlsx").write_bytes(workbook(sheet_xml([columns, *values.tolist()])))
-    files = ("press.csv", "press.mat", "press.xlsx")
-    first, *others = study(tmp_path, *(of_file(file, loading_radius_mm=15) for file in files)).curves
-    assert first.fit.youngs_modulus.known
-    for other in others:
-        assert other.fit.youngs_modulus == first.fit.youngs_modulus
-        assert other.fit.contact_offset == first.fit.contact_offset
-
-
 def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path):
     path = tmp_path / "a.csv"
     write_curve(path)
@@ -118,9 +101,6 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path):
 
     path.write_text(text.replace("force_N", "Fz (N)"))
     reason = study(tmp_path, of_file()).curves[0].reason or ""
-    assert reason.endswith('file_columns = { force = "Fz (N):N" }')
-    reason = study(tmp_path, of_file(file_columns={"force": "Fz (N):mN"})).curves[0].reason or ""
-    assert "'Fz (N)' says N, and its unit is given as mN" in reason
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
 
 

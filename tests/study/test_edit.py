@@ -1,8 +1,10 @@
 """Changing the manifest by program: comments stay, wrong edits write nothing, what is incomplete waits."""
 
 import csv
+import errno
 import multiprocessing
 import os
+import resource
 import shutil
 import signal
 import sys
@@ -15,7 +17,7 @@ from tests.studies import correct
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.editing.edit import Edit, change_study, create_study, title_of
 from fingerpad.study.editing.template import write_template
-from fingerpad.study.journal import JOURNAL_NAME
+from fingerpad.study.journal import JOURNAL_NAME, recover, replace_files
 from fingerpad.study.manifest.load import STUDY_NAME, is_as_read, load_study, read_study
 from fingerpad.study.status import missing
 
@@ -507,3 +509,48 @@ def test_sequences_and_results_are_no_loose_pictures(folder):
 def test_a_title_is_read_at_a_glance_or_left_alone(tmp_path, text, title):
     (tmp_path / "study.toml").write_text(text)
     assert title_of(tmp_path) == title
+
+
+# Files changed as one: nothing is changed where one of them cannot be, and a journal leads nowhere else
+
+
+def test_files_are_replaced_and_made(folder):
+    before = contents(folder)
+    replace_files(folder, {"a.png": "new", "d": "\u00e9\r\n"})
+    assert contents(folder) == before | {"a.png": b"new", "d": b"\xc3\xa9\r\n"}
+
+
+def replace_on_a_full_disk(folder):
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, -1))
+    with pytest.raises(OSError, match="large") as error:
+        replace_files(folder, {"a.png": "new", "c.png": "new" * 100})
+    assert error.value.errno == errno.EFBIG
+
+
+def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder):
+    before = contents(folder)
+    process = multiprocessing.get_context("fork").Process(target=replace_on_a_full_disk, args=(folder,))
+    process.start()
+    process.join(60)
+    assert process.exitcode == 0
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        *("no JSON", "[]", '{"replace": [3]}', '{"replace": [], "remove": ["a"]}'),
+        *('{"replace": ["../outside"]}', '{"replace": ["link/outside"]}', '{"replace": ["/"]}'),
+    ],
+)
+def test_a_journal_that_is_damaged_or_leads_out_is_refused(tmp_path, content):
+    (tmp_path / "outside").write_text("kept")
+    (tmp_path / ".outside.new").write_text("would replace it")
+    study = tmp_path / "study"
+    study.mkdir()
+    (study / "link").symlink_to(tmp_path)
+    (study / JOURNAL_NAME).write_text(content)
+    with pytest.raises(ManifestError, match=r"is no journal of a change.*remove it"):
+        recover(study)
+    assert (tmp_path / "outside").read_text() == "kept"

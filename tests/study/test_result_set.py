@@ -1,11 +1,14 @@
 """The files of a run are put in place as one, and reading them detects files that do not belong."""
 
 import hashlib
+import json
 import os
 import shutil
 import signal
+import sqlite3
 import subprocess
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +16,7 @@ import pytest
 from filelock import FileLock
 from PIL import Image
 from tests import command
-from tests.studies import contact, finger, run_watched, write_study
+from tests.studies import contact, correct, finger, run_watched, write_study
 from tests.study.small_study import PICTURES, copy
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -294,3 +297,65 @@ def test_no_file_of_a_result_set_is_written_over_another(study):
     with pytest.raises(FingerpadError, match="results before it are kept"):
         add_twice()
     assert contents(out) == before
+
+
+# `fingerpad verify` names everything that is not what was written, and nothing else
+
+
+@pytest.fixture
+def corrected(finished, small_pieces) -> Path:
+    """Return the folder of the small study, run with a correction."""
+    correct(finished.parent, "o1", {"accepted": True})
+    run_study(finished, finished.parent / "out")
+    return finished.parent
+
+
+def verify(folder: Path) -> tuple[int, dict]:
+    code, out, _ = command.run("verify", folder, "--out", folder / "out", "--json")
+    return code, json.loads(out)
+
+
+def test_a_finished_study_is_intact_also_where_inputs_changed_or_it_was_never_run(corrected):
+    code, found = verify(corrected)
+    assert (code, found["faults"], found["changed_inputs"]) == (0, [], [])
+    assert found["intact"].keys() == {"study.toml", "corrections.jsonl", "store.sqlite", "results"}
+    words = command.run("verify", corrected, "--out", corrected / "out")[1]
+    assert words.startswith("intact   study.toml: 2 fingers, 6 contacts")
+    (corrected / "o1.png").write_bytes((corrected / "o2.png").read_bytes())
+    code, found = verify(corrected)
+    assert (code, found["changed_inputs"]) == (0, ["o1.png"])
+    shutil.rmtree(corrected / "out")
+    code, found = verify(corrected)
+    assert (code, found["intact"].keys()) == (0, {"study.toml", "corrections.jsonl"})
+
+
+def flip(path: Path) -> None:
+    """Flip a bit that every format minds, and give the file the times that it had."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def spoil_record(path: Path) -> None:
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("UPDATE result SET seconds = seconds + 1 WHERE task = 'o3'")
+
+
+FAULTS: dict[str, tuple[str, Callable[[Path], object], str]] = {
+    "a table": ("out/results.csv", flip, "results.csv: is not the file"),
+    "an overlay": ("out/overlays/o2.png", flip, "overlays/o2.png: is not the file"),
+    "a lost overlay": ("out/overlays/o2.png", Path.unlink, "overlays/o2.png: is missing"),
+    "a stored result": ("out/store.sqlite", spoil_record, "the stored result of o3 is damaged"),
+    "the list": ("out/SHA256SUMS", flip, ""),
+    "a correction": ("corrections.jsonl", flip, "corrections.jsonl: line 1"),
+    "the manifest": ("study.toml", lambda path: path.write_text("title = 1"), "study.toml: title"),
+}
+
+
+@pytest.mark.parametrize(("name", "change", "words"), FAULTS.values(), ids=FAULTS)
+def test_what_was_changed_is_named(corrected, name, change, words):
+    change(corrected / name)
+    code, found = verify(corrected)
+    assert code == 3
+    assert any(words in fault for fault in found["faults"])
+    assert Path(name).name not in found["intact"]

@@ -6,6 +6,7 @@ import shutil
 import sqlite3
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -373,6 +374,9 @@ def test_a_range_of_frames_takes_its_ellipses_and_no_others():
     some = frame_corrections(active, "p", range(4, 6))
     assert some == {frame: every[frame] for frame in (2, 4, 5, 9)}
     assert set(frame_corrections(active, "p", range(20, 30))) == {2, 9}
+    slipped = ContactCorrection(ellipse_px=ellipses[9], key_frame=True, rejected="slipped")
+    active["p#9"] = replace(active["p#9"], change=slipped)
+    assert set(frame_corrections(active, "p")) == {2, 9}  # a frame that is rejected carries nothing
 
 
 def test_ellipses_between_keep_their_direction_and_turn_the_short_way():
