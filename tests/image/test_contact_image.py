@@ -533,6 +533,16 @@ def test_smudges_widen_ridge_area():
         assert found.ridge_area_std > 1.1 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
 
 
+def test_other_patches_count_if_ridged():
+    # A piece of a print, and a smear, of 15 % of the contact's area.
+    large, small = (render_contact_image(semi_major=a, semi_minor=0.75 * a, seed=7) for a in (9.0, 3.5))
+    found = [
+        measure_contact_image(beside(large.pixels, other), PPI_500)
+        for other in (small.pixels, cv2.GaussianBlur(small.pixels, (0, 0), 8))
+    ]
+    assert [contact.flags for contact in found] == [("several_regions",), ()]
+
+
 def test_grease_beside_contact_is_left_out():
     for seed in (0, 2):
         truth = render_contact_image(semi_major=5, semi_minor=5, seed=seed, noise_std=4, margin=5)

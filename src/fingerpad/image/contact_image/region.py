@@ -42,8 +42,11 @@ _APPENDAGE_RATIO: Final = 0.35
 _WIDTH_STEP: Final = 3
 # A patch wins by its area, less so the further off the centre.
 _OFF_CENTRE: Final = 0.7
-# Beside a patch of this share of the contact's area there are several.
+# Beside other patches of this share of the contact's area there are several.
 OTHER_REGION: Final = 0.2
+# Beside patches with ridges, less: their amounts of ridge have a greater standard deviation than this.
+_OTHER_RIDGED: Final = 0.1
+_RIDGED_STD: Final = 85
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,7 +54,7 @@ class Region:
     """A contact in the copy."""
 
     patch: BoolArray  # (rows, columns); where it is, without holes
-    several: bool  # whether there is another patch of some size
+    several: bool  # whether there are other patches of some size
 
     @property
     def roundness(self) -> float:
@@ -68,10 +71,14 @@ def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) ->
             "no contact found: nothing is as large as three ridge periods: check scale and polarity"
         )
     chosen = _chosen(patches, seed, view)
-    other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
+    contact = patches.pop(chosen)
+    least = OTHER_REGION
+    if view.resolved:  # then smears and dirt are not of the same print
+        patches = [patch for patch in patches if ridges.amount[patch].std() > _RIDGED_STD]
+        least = _OTHER_RIDGED
     return Region(
-        patch=_without_appendages(patches[chosen], view.period),
-        several=bool(other > OTHER_REGION * np.count_nonzero(patches[chosen])),
+        patch=_without_appendages(contact, view.period),
+        several=bool(sum(map(np.count_nonzero, patches)) > least * np.count_nonzero(contact)),
     )
 
 
