@@ -140,7 +140,9 @@ def test_each_column_is_filled_by_some_study(demo, small_study, tmp_path):
     correct(folder, "c0", {"rejected": "slipped"})
     correct(folder, "c1", {"pooling": {"include": False, "why": "smeared"}})
     correct(folder, "p#phases", {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "late"}})
-    tables = demo[0].rows, run_study(manifest, tmp_path / "out").rows
+    result = run_study(manifest, tmp_path / "out")
+    assert "shown, not pooled" in page_of(result, tmp_path / "out")
+    tables = demo[0].rows, result.rows
     filled = {
         name for table in tables for name in table if not {None, "", False}.issuperset(items(table[name]))
     }
