@@ -245,7 +245,7 @@ def result_of(
     notes: tuple[str, ...],
     executor: Executor,
     store: Store,
-    on_check: Callable[[str], None] = lambda _: None,
+    on_check: Callable[[str], None],
 ) -> StudyResult:
     """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
     study, folder = measured.context.study, measured.context.folder
