@@ -61,6 +61,7 @@ def test_hostile_workbooks(tmp_path):
         ("Normal force [N]", "1,5", {"load_N": 1.5}),
         ("weight, g", "100", {"load_N": 0.980665}),
         ("load", "250 mN", {"load_N": 0.25}),
+        ("load (kgf)", "2", {"load_N": 19.6133}),
         ("load_N_std", "0.1", {}),
         ("wedge_angle_deg", "30°", {"wedge_angle_deg": 30.0}),
         ("scale (px/mm)", "20", {"mm_per_px": 0.05}),

@@ -66,9 +66,9 @@ def test_guessed_scales(use, ppi, scales, expected):
 
 def test_written_scales():
     per_px = dict.fromkeys(("0,05 mm/px", "50 µm/px", "20 px/mm"), "0.05 mm/px")
-    known = {"500": "500 ppi", "500 dpi": "500 ppi", "Reader 2": "Reader 2", **per_px}
+    known = {"72": "72 ppi", "500 dpi": "500 ppi", "Reader 2": "Reader 2", **per_px}
     assert {words: written_scale(words, ["Reader 2"]) for words in known} == known
-    for words in ("0.05", "reader", "1,234 ppi", ""):  # a comma could part two numbers
+    for words in ("0.05", "71", "reader", "1,234 ppi", ""):  # a comma could part two numbers
         with pytest.raises(ManifestError, match=r"500 ppi or 0.05 mm/px"):
             written_scale(words, ["Reader 2"])
 
