@@ -12,6 +12,14 @@ import numpy.typing as npt
 Row: TypeAlias = tuple[float, float, bool]
 
 
+def rows_of(
+    values: npt.ArrayLike, truth: npt.ArrayLike, covariance: npt.ArrayLike, flagged: object
+) -> list[Row]:
+    """Return relative errors of values with their relative standard uncertainties."""
+    errors, stds = values / np.asarray(truth) - 1, np.sqrt(np.diagonal(covariance)) / values
+    return [(error, std, bool(flagged)) for error, std in zip(errors, stds, strict=True)]
+
+
 def table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str = "") -> None:
     """Print a table, row by row as they come."""
     if title:

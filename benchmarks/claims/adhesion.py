@@ -5,12 +5,15 @@ and a contact line that moves downhill. The radius is exact, so that nothing but
 of the way out.
 """
 
+from typing import Any
+
 import numpy as np
+import pandas as pd
 
 from benchmarks.tables import percent, table
 from benchmarks.truth.adhesion import KINDS, POISSON, Record, records
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import LawFit, LoadingCurve, fit_adhesion
+from fingerpad.loading import LoadingCurve, fit_adhesion
 
 WORDS = {
     "pad": "pads",
@@ -27,36 +30,26 @@ WORDS = {
 }
 
 
-def fit_record(record: Record) -> LawFit | None:
-    """Return the fit of one record, None where it is refused."""
-    curve = LoadingCurve(time=record.time, load=record.force, indentation=record.displacement)
-    compliance = record.compliance if record.is_stage else None
-    try:
-        return fit_adhesion(
-            curve, poisson_ratio=POISSON, loading_radius=record.radius, stage_compliance=compliance
-        )
-    except FingerpadError:
-        return None
-
-
 def judged(record: Record) -> dict[str, float]:
     """Return whether the intervals of one record hold the truth, its flags, and E of Hertz over E."""
-    fit = fit_record(record)
-    if fit is None or not all(found.known for found in fit.parameters.values()):
+    curve = LoadingCurve(time=record.time, load=record.force, indentation=record.displacement)
+    known: dict[str, Any] = {"stage_compliance": record.compliance} if record.is_stage else {}
+    try:
+        fit = fit_adhesion(curve, poisson_ratio=POISSON, loading_radius=record.radius, **known)
+    except FingerpadError:
+        return {"refused": 1.0}
+    if not all(found.known for found in fit.parameters.values()):
         return {"refused": 1.0}
     modulus, work = fit.parameters["youngs_modulus"], fit.parameters["work_of_adhesion"]
-    held = {
-        name: found.lower <= truth <= found.upper
-        for name, found, truth in (
-            ("E", modulus, record.modulus),
-            ("w", work, record.work_of_adhesion),
-            ("x0", fit.contact_offset, record.contact_offset),
-        )
+    found_true = {
+        "E": (modulus, record.modulus),
+        "w": (work, record.work_of_adhesion),
+        "x0": (fit.contact_offset, record.contact_offset),
     }
+    held = {name: float(found.lower <= true <= found.upper) for name, (found, true) in found_true.items()}
     hertz = fit.models["hertz"].values["youngs_modulus"] if "hertz" in fit.models else np.nan
-    return {
+    return held | {
         "refused": 0.0,
-        **{name: float(inside) for name, inside in held.items()},
         "flagged": float(bool(fit.flags)),
         "silent": float(not (held["E"] and held["w"]) and not fit.flags),
         "E std": modulus.std / modulus.value,
@@ -70,17 +63,14 @@ def report(count: int = 20, seed: int = 23) -> None:
     """Print one line per kind of record."""
 
     def cells(kind: str) -> tuple[object, ...]:
-        found = [judged(record) for record in records(seed, count, kind)]
-        fitted = [one for one in found if not one["refused"]]
+        found = pd.DataFrame([judged(record) for record in records(seed, count, kind)])
+        fitted = found[found["refused"] == 0]
         refused = f"{len(found) - len(fitted)} of {len(found)}"
-        if not fitted:
+        if fitted.empty:
             return WORDS[kind], refused, *9 * ("–",)
-        shares = [f"{sum(one[name] for one in fitted):.0f}" for name in ("E", "w", "x0", "flagged", "silent")]
-        modulus, work, hertz = (
-            float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
-        )
-        errors = [one["E off"] for one in fitted]
-        off = " to ".join(percent(one, "+") for one in (min(errors), max(errors)))
+        shares = (f"{fitted[name].sum():.0f}" for name in ("E", "w", "x0", "flagged", "silent"))
+        modulus, work, hertz = fitted[["E std", "w std", "hertz"]].median()
+        off = " to ".join(percent(one, "+") for one in (fitted["E off"].min(), fitted["E off"].max()))
         return WORDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
 
     held = "E held", "w held", "x₀ held", "flagged", "silent"

@@ -1,17 +1,17 @@
 """Photographs of three-dimensional fingertips of known curvature, from three sides."""
 
-import contextlib
 import math
 from typing import Final
 
 import numpy as np
 
 from benchmarks.arrays import Array
+from benchmarks.claims import finger_shapes
 from benchmarks.claims.finger_shapes import SIDES
-from benchmarks.tables import Row, errors_table
+from benchmarks.tables import Row, errors_table, rows_of
 from benchmarks.truth.anatomic_fingers import FACES, WEDGES_DEG, AnatomicFinger, fingers
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
+from fingerpad.image import Face, PhotographFit, combine_faces
 from fingerpad.image.photograph.faces import SEMI_AXES
 from fingerpad.study.measuring.fingers import ELLIPSOID_STD, radius_deviation
 from fingerpad.uncertainty import Inputs, placement_model, propagate
@@ -21,11 +21,11 @@ TITLES: Final = ("Radius along the finger, faces combined", "Mean radius of curv
 
 def measure(truth: AnatomicFinger) -> dict[Face, PhotographFit]:
     """Return the measurements of a finger's photographs, without those that are refused."""
-    found: dict[Face, PhotographFit] = {}
-    for face, pixels in truth.photographs.items():
-        with contextlib.suppress(FingerpadError):
-            found[face] = measure_photograph(pixels, face, Scale(truth.mm_per_px), palmar=SIDES[face])
-    return found
+    found = {
+        face: finger_shapes.measure(pixels, face, truth.mm_per_px, SIDES[face])
+        for face, pixels in truth.photographs.items()
+    }
+    return {face: fit for face, fit in found.items() if fit is not None}
 
 
 def joint_radii(found: dict[Face, PhotographFit]) -> Array:
@@ -61,9 +61,7 @@ def report(count: int = 4, seed: int = 75) -> None:
         refused += len(FACES) - len(found)
         for face, fit in found.items():
             rows = tables.setdefault("Semi-axes", {}).setdefault(truth.name, [])
-            std = np.sqrt(np.diagonal(fit.covariance))
-            for value, true, one in zip(fit.semi_axes, truth.semi_axes[face], std, strict=True):
-                rows.append((value / true - 1, one / value, bool(fit.flags)))
+            rows += rows_of(fit.semi_axes, truth.semi_axes[face], fit.covariance, fit.flags)
         if "radial" in found:
             seen = [found["radial"].outline_radius(math.radians(wedge)) for wedge in WEDGES_DEG]
             outline = tables.setdefault("Radius along the finger, by the outline alone", {})

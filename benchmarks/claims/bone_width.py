@@ -223,14 +223,9 @@ def _cells(bone: Bone, side: float) -> Iterator[str]:
 
 def report(side: float = 1.5) -> None:
     """Print which layer a narrow bone acts like, and what it makes of the contact's shape."""
+    head = "bone", "A/(πξ), mm", "t of the layer that acts so, mm", "modulus read over true"
     table(
-        (
-            "bone",
-            "A/(πξ), mm",
-            "t of the layer that acts so, mm",
-            "modulus read over true",
-            "along over across",
-        ),
+        (*head, "along over across"),
         ((name, *_cells(bone, side)) for name, bone in BONES.items()),
         f"At wedge angles of {' and '.join(map(str, PRINTED))}°; elements of {side:g} mm",
     )

@@ -97,24 +97,9 @@ HEAD: Final = (
     "stated, held",
 )  # fmt: skip
 
-# Conditions in which liquid beside ridges counts as ridge.
-WET: Final = {
-    "moist, pressure field": [("pressure field", "prism, moist")],
-    "moist, elastic ridges": [("elastic ridges", "prism, moist")],
-    "moist, stripes": [("stripes", "prism, moist"), ("stripes", "scanner, moist")],
-    "much ink, elastic ridges": [("elastic ridges", "ink, much")],
-}
 
-
-def compare_conditions(conditions: Iterable[tuple[str, str]], count: int, seed: int) -> Iterator[Compared]:
-    """Yield so many comparisons of each condition, given with its set."""
-    for name, condition in conditions:
-        for number in range(count):
-            yield compare(image_sets.draw(name, condition, number, seed))
-
-
-def report(count: int = 3, seed: int = 7, wet: int = 8) -> None:
-    """Print errors and coverage of each set, of more images of wet skin and ink, then of each condition."""
+def report(count: int = 3, seed: int = 7) -> None:
+    """Print errors and coverage of each set, then of each condition."""
     found: dict[str, dict[str, list[Compared]]] = {}
     for name, some in groupby(image_sets.images(count, seed), key=lambda one: one[0]):
         for _, condition, image in some:
@@ -123,11 +108,6 @@ def report(count: int = 3, seed: int = 7, wet: int = 8) -> None:
     by_set = {name: [one for some in of.values() for one in some] for name, of in found.items()}
     every = [one for some in by_set.values() for one in some]
     table(("set", *HEAD), (cells(name, some) for name, some in [*by_set.items(), ("all", every)]))
-    table(
-        ("condition", *HEAD, "flagged"),
-        (cells(name, compare_conditions(some, wet, seed), flags=True) for name, some in WET.items()),
-        "Moist skin, much ink",
-    )
     print("\n<details><summary>Each condition</summary>")
     for name, conditions in found.items():
         rows = (cells(condition, some, flags=True) for condition, some in conditions.items())

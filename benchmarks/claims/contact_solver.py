@@ -7,15 +7,16 @@ Tamaas is a dependency of the tests; ContactMechanics is timed where it is insta
 import math
 from collections.abc import Callable
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.util import find_spec
+from typing import TypeAlias
 
 import numpy as np
 import tamaas
 
 from benchmarks.arrays import Array
+from benchmarks.cost import best
 from benchmarks.tables import table
-from benchmarks.timing import best
 from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -24,6 +25,7 @@ _HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
 _BALL = Paraboloid(_RADIUS, _RADIUS)
 
 _GRIDS = 64, 128, 256
+_THIRD = find_spec("ContactMechanics") is not None
 
 
 def _sphere(x: Array, y: Array) -> Array:
@@ -45,14 +47,9 @@ def exact_solutions() -> None:
     for radius in (2.0, 5.0, 8.0):
         log = math.log((_RADIUS + radius) / (_RADIUS - radius))
         load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
+        depth, sides = radius / 2 * log, (radius, radius)
         for points in _GRIDS:
-            found = solve_gap(
-                _sphere,
-                _HALF_SPACE,
-                half_widths=(radius, radius),
-                indentation=radius / 2 * log,
-                points=points,
-            )
+            found = solve_gap(_sphere, _HALF_SPACE, half_widths=sides, indentation=depth, points=points)
             exact = math.pi * radius**2, load, math.nan
             values = float(found.area), float(found.load), math.nan
             rows.append(_cells(f"sphere, a/R = {radius / _RADIUS:g}", points, values, exact, found))
@@ -94,7 +91,8 @@ def speed() -> None:
     )
     title = "Seconds for the whole pad on a layer, and for its highest shear"
     table(("cells", "whole pad on a layer", "its highest shear"), own, title)
-    print(f"\nTamaas {version('tamaas')}, ContactMechanics {_contact_mechanics_version()}.")
+    third = version("ContactMechanics") if _THIRD else "not installed (pip install ContactMechanics)"
+    print(f"\nTamaas {version('tamaas')}, ContactMechanics {third}.")
 
 
 def _reached(found: list[tuple[float, float, float]]) -> str:
@@ -103,22 +101,13 @@ def _reached(found: list[tuple[float, float, float]]) -> str:
     return ", ".join("not reached" if t is None else f"{t:.2f} s" for t in least)
 
 
-def _contact_mechanics_version() -> str:
-    try:
-        return version("ContactMechanics")
-    except PackageNotFoundError:
-        return "not installed (pip install ContactMechanics)"
+# Solvers of a sphere's contact under a load on a grid of so many cells a side: area and indentation.
+Solver: TypeAlias = Callable[[int, float, float], tuple[float, float]]
 
 
-def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
-    """Return solvers of a sphere's contact under a load on a grid: area and indentation."""
-    solvers: dict[str, Callable[[int, float, float], tuple[float, float]]] = {
-        "fingerpad": _by_fingerpad,
-        "Tamaas": _by_tamaas,
-    }
-    if find_spec("ContactMechanics"):
-        solvers["ContactMechanics"] = _by_contact_mechanics
-    return solvers
+def _solvers() -> dict[str, Solver]:
+    solvers: dict[str, Solver] = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
+    return solvers | ({"ContactMechanics": _by_contact_mechanics} if _THIRD else {})
 
 
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ import numpy as np
 import tifffile
 import tomlkit
 
-from benchmarks.memory import peak_mb, peak_of_children_mb
+from benchmarks.cost import peak_mb, peak_of_children_mb
 from benchmarks.tables import table
 from fingerpad.report import write_report
 from fingerpad.simulate import render_sequence

@@ -7,11 +7,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from benchmarks.arrays import Rng
-from benchmarks.tables import Row, errors_table
+from benchmarks.arrays import Array, Pixels, Rng
+from benchmarks.tables import Row, errors_table, rows_of
 from benchmarks.truth import finger_shapes, fingertips
 from benchmarks.truth.finger_shapes import ShapedFinger
-from fingerpad.exceptions import FitError, ImageError
+from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
 from fingerpad.image.photograph.faces import Direction
 
@@ -38,15 +38,16 @@ def measured(
             if name == "ogive" and face == "distal":
                 face = "palmar"  # an ogive is higher than wide
             truth = draw(rng, face)
-            yield name, truth, measure(truth)
+            yield name, truth, measure(truth.pixels, face, truth.mm_per_px, SIDES[face])
 
 
-def measure(truth: ShapedFinger) -> PhotographFit | None:
-    """Return the measurement of a finger, None where it is refused."""
+def measure(
+    pixels: Pixels, face: Face, mm_per_px: float, palmar: Direction | None, points: Array | None = None
+) -> PhotographFit | None:
+    """Return the measurement of a photograph, None where it is refused."""
     try:
-        scale, palmar = Scale(truth.mm_per_px), SIDES[truth.face]
-        return measure_photograph(truth.pixels, truth.face, scale, palmar=palmar)
-    except (FitError, ImageError):
+        return measure_photograph(pixels, face, Scale(mm_per_px), palmar=palmar, points=points)
+    except FingerpadError:
         return None
 
 
@@ -58,10 +59,10 @@ def print_semi_axes(fingers: Iterable[Finger]) -> None:
         if found is None:
             refused += 1
             continue
-        errors = found.semi_axes / np.array(truth.semi_axes) - 1
-        stds = np.sqrt(np.diagonal(found.covariance)) / found.semi_axes
-        flagged = "not_an_ellipse" in found.flags
-        rows.setdefault(name, []).extend((e, s, flagged) for e, s in zip(errors, stds, strict=True))
+        of_shape = rows_of(
+            found.semi_axes, truth.semi_axes, found.covariance, "not_an_ellipse" in found.flags
+        )
+        rows.setdefault(name, []).extend(of_shape)
     errors_table(f"Semi-axes; {refused} photographs refused", rows)
 
 

@@ -91,24 +91,12 @@ def exported_loads(folder: Path, indentations: tuple[float, ...], normal: Array)
     file = folder / "finger.inp"
     read = meshio.read(file)
     points, cells = read.points, read.cells_dict["tetra10"]
-    modulus, ratio = map(
-        float, file.read_text(encoding="utf-8").split("*ELASTIC\n")[1].split("\n")[0].split(",")
-    )
-    height = points @ normal
-    mesh = LayerMesh(
-        points=points,
-        depth=height,
-        tetrahedra=cells,
-        skin=read.point_sets["SKIN"],
-        bone=read.point_sets["BONE"],
-    )
-    elements = TissueElements(
-        mesh,
-        assembled(points, cells, ratio, order=3),
-        normal=normal,
-        gap=height.max() - height,
-        deepest=indentations[-1],
-    )
+    elastic = file.read_text(encoding="utf-8").split("*ELASTIC\n")[1].split("\n")[0]
+    modulus, ratio = map(float, elastic.split(","))
+    height, skin, bone = points @ normal, read.point_sets["SKIN"], read.point_sets["BONE"]
+    mesh = LayerMesh(points=points, depth=height, tetrahedra=cells, skin=skin, bone=bone)
+    stiffness, gap = assembled(points, cells, ratio, order=3), height.max() - height
+    elements = TissueElements(mesh, stiffness, normal=normal, gap=gap, deepest=indentations[-1])
     return modulus * np.array([elements.load(at) for at in indentations])
 
 

@@ -25,12 +25,8 @@ def report() -> None:
     for pattern in PATTERNS:
         errors, ratios, residuals = [], [], []
         for seed in range(COUNT):
-            scene = Scene(
-                tilt=rng.uniform(0, 0.4),
-                turn=rng.uniform(0, 3.1),
-                squeeze=rng.uniform(0.7, 1),
-                bend=rng.choice([0, 0, 0.1, 0.3]),
-            )
+            tilt, turn, squeeze = rng.uniform(0, 0.4), rng.uniform(0, 3.1), rng.uniform(0.7, 1)
+            scene = Scene(tilt=tilt, turn=turn, squeeze=squeeze, bend=rng.choice([0, 0, 0.1, 0.3]))
             spacing = SPACING * (1 + rng.normal(0, RELATIVE_STD))
             picture = scene.picture(POINTS, spacing, pattern, noise=rng.uniform(0, 12), seed=seed)
             grid = measure_grid(

@@ -2,8 +2,9 @@
 
 from typing import Final
 
-from benchmarks.claims.contact_areas import HEAD, cells, compare_conditions
+from benchmarks.claims.contact_areas import HEAD, cells, compare
 from benchmarks.tables import table
+from benchmarks.truth.image_sets import draw
 
 CONDITIONS: Final = {
     "stripes": ("prism, dark rim", "prism, bell", "prism, moist", "scanner, moist"),
@@ -18,7 +19,11 @@ CONDITIONS: Final = {
 def report(count: int = 12, seed: int = 8) -> None:
     """Print errors, coverage and flags of each condition."""
     rows = (
-        cells(f"{name}: {each}", compare_conditions([(name, each)], count, seed), flags=True)
+        cells(
+            f"{name}: {each}",
+            [compare(draw(name, each, number, seed)) for number in range(count)],
+            flags=True,
+        )
         for name, conditions in CONDITIONS.items()
         for each in conditions
     )

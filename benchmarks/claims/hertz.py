@@ -4,8 +4,8 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
+from benchmarks.cost import best
 from benchmarks.tables import table
-from benchmarks.timing import best
 from benchmarks.truth.hertz import RATIOS, exact_contact
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.geometry import Paraboloid

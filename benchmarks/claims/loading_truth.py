@@ -11,18 +11,8 @@ import numpy as np
 
 from benchmarks.arrays import Array, Rng
 from benchmarks.tables import percent, share, table
-from benchmarks.truth.loading_physics import (
-    Contact,
-    Pad,
-    coloured_noise,
-    ellipsoid,
-    exact_sphere,
-    free_area,
-    hertz,
-    layer,
-    pink,
-    short_memory,
-)
+from benchmarks.truth import loading_physics as physics
+from benchmarks.truth.loading_physics import Contact, Pad, pink
 from fingerpad import Estimate
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LoadingCurve, fit_loading_curve
@@ -39,7 +29,7 @@ APPROACH = 0.8
 class Condition:
     """Contact and faults of a curve: by default a Hertzian paraboloid, and white noise in all columns."""
 
-    contact: Callable[[Pad, float], Contact] = hertz
+    contact: Callable[[Pad, float], Contact] = physics.hertz
     slope: float = 0.0  # β over E_0g, 1/N
     spectrum: Callable[[Array], Array] | None = None  # of the force's noise of 5 mN, none for white
     compliance: float = 0.0  # of the stage, mm/N
@@ -57,18 +47,18 @@ CONDITIONS: Mapping[str, Condition] = {
     "Hertz, white noise": Condition(area_exponent=2 / 3),
     "Hertz, white noise, 30 rows": Condition(area_exponent=2 / 3, points=30),
     "Hertz, white noise, 1000 rows": Condition(area_exponent=2 / 3, points=1000),
-    "Hertz, noise of 20 ms": Condition(area_exponent=2 / 3, spectrum=short_memory),
+    "Hertz, noise of 20 ms": Condition(area_exponent=2 / 3, spectrum=physics.short_memory),
     "Hertz, 1/f noise": Condition(area_exponent=2 / 3, spectrum=pink),
     "growing modulus, white noise": Condition(slope=0.5),
     "growing modulus, 1/f noise": Condition(slope=0.5, spectrum=pink),
     "growing modulus, 1/f noise, 1000 rows": Condition(slope=0.5, spectrum=pink, points=1000),
-    "ellipse, R'/R'' = 1.3": Condition(contact=ellipsoid(1.3), area_exponent=2 / 3),
-    "exact sphere": Condition(contact=exact_sphere),
-    "layer of 8 mm on bone": Condition(contact=layer(8.0)),
-    "layer of 5 mm on bone": Condition(contact=layer(5.0)),
-    "layer of 2 mm on bone": Condition(contact=layer(2.0)),
-    "A ∝ W^0.42": Condition(contact=free_area(0.42), area_exponent=0.42),
-    "A ∝ W^0.55, growing modulus": Condition(contact=free_area(0.55), slope=0.5, area_exponent=0.55),
+    "ellipse, R'/R'' = 1.3": Condition(contact=physics.ellipsoid(1.3), area_exponent=2 / 3),
+    "exact sphere": Condition(contact=physics.exact_sphere),
+    "layer of 8 mm on bone": Condition(contact=physics.layer(8.0)),
+    "layer of 5 mm on bone": Condition(contact=physics.layer(5.0)),
+    "layer of 2 mm on bone": Condition(contact=physics.layer(2.0)),
+    "A ∝ W^0.42": Condition(contact=physics.free_area(0.42), area_exponent=0.42),
+    "A ∝ W^0.55, growing modulus": Condition(contact=physics.free_area(0.55), slope=0.5, area_exponent=0.55),
     "stage yields 0.06 mm/N": Condition(compliance=0.06, area_exponent=2 / 3),
     "stage yields 0.06 mm/N, given": Condition(compliance=0.06, area_exponent=2 / 3, given=True),
     "area 100 ms late, given": Condition(lag=0.1, area_exponent=2 / 3, given=True),
@@ -81,7 +71,7 @@ CONDITIONS: Mapping[str, Condition] = {
     "Hertz, no baseline, no areas": Condition(baseline=False, areas=False),
     "Hertz, no areas": Condition(areas=False),
     "growing modulus, no areas": Condition(slope=0.5, areas=False),
-    "layer of 8 mm on bone, no areas": Condition(contact=layer(8.0), areas=False),
+    "layer of 8 mm on bone, no areas": Condition(contact=physics.layer(8.0), areas=False),
     "stage yields 0.06 mm/N, no areas": Condition(compliance=0.06, areas=False),
 }
 
@@ -115,7 +105,7 @@ def make_curve(condition: Condition, pad: Pad, place: float, rng: Rng) -> Loadin
     if condition.spectrum is None:
         force += rng.normal(0, 0.005, len(clock))
     else:
-        force += 0.005 * coloured_noise(rng, len(clock), step, condition.spectrum)
+        force += 0.005 * physics.coloured_noise(rng, len(clock), step, condition.spectrum)
         force += rng.normal(0, 0.001, len(clock))
     indentation = travel + place + rng.normal(0, 0.005, len(clock))
     areas = np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock))

@@ -1,6 +1,6 @@
 """Pictures that show no finger's contact, drawn by code, to see whether they are taken for one."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
@@ -201,13 +201,8 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
         lambda rng: _levels(235 + 8 * _noise(rng, 3)),
     ),
     "noise": (
-        lambda rng: _levels(128 + 40 * _noise(rng, 0)),
-        lambda rng: _levels(128 + 40 * _noise(rng, 1.5)),
-        lambda rng: _levels(128 + 40 * _noise(rng, 3)),
-        lambda rng: _levels(128 + 40 * _noise(rng, 8)),
-        lambda rng: _in_ellipse(110 + 40 * _noise(rng, 0)),
-        lambda rng: _in_ellipse(110 + 40 * _noise(rng, 2)),
-        lambda rng: _in_ellipse(110 + 40 * _noise(rng, 4)),
+        *(lambda rng, length=length: _levels(128 + 40 * _noise(rng, length)) for length in (0, 1.5, 3, 8)),
+        *(lambda rng, length=length: _in_ellipse(110 + 40 * _noise(rng, length)) for length in (0, 2, 4)),
         lambda rng: _in_ellipse(110 + 40 * (_noise(rng, 1.5) - _noise(rng, 4))),
         lambda rng: _levels(128 + 45 * _spectrum(rng, 1)),
         lambda rng: _levels(128 + 45 * _spectrum(rng, 1.6)),
@@ -264,7 +259,7 @@ def answer(pixels: npt.ArrayLike, scale: Scale) -> str:
 
 def rates(seed: int = 0, prints: int = 4) -> dict[str, dict[str, int]]:
     """Return how often each kind of picture, and of independently rendered contact, is taken how."""
-    counts: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
+    counts: dict[str, dict[str, int]] = defaultdict(Counter)
     for kind, pixels in non_prints(seed):
         counts[kind][answer(pixels, Scale.of_ppi(PPI))] += 1
     for _, image in independent_images(prints, seed):

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.tables import Row, errors_table
+from benchmarks.tables import Row, errors_table, rows_of
 from fingerpad.image import Face, face_from_outline
 
 KINDS = ("ellipse", "pointed", "blunt", "egg", "one side fuller", "bumps")
@@ -82,7 +82,6 @@ def report(count: int = 9, seed: int = 2) -> None:
             face = FACES[number % len(FACES)]
             points, truth = draw(kind, face, np.random.default_rng([seed, place, number]))
             found = face_from_outline(face, points)
-            stds = np.sqrt(np.diagonal(found.covariance))
-            for value, true, std in zip(found.semi_axes, truth, stds, strict=True):
-                rows.setdefault(kind, []).append((value / true - 1, std / value, bool(found.flags)))
+            of_kind = rows_of(found.semi_axes, truth, found.covariance, found.flags)
+            rows.setdefault(kind, []).extend(of_kind)
     errors_table("Semi-axes from outlines", rows)

@@ -1,7 +1,7 @@
 """Side by side with what people use today, in one run on one machine.
 
 statsmodels, lmfit and scikit-image are dependencies of the tests. The others are compared where they are
-installed, and their rows else say what to install: ``pip install nanite``, ``pip install --no-deps pyfing``,
+installed, and their rows say where they are not: ``pip install nanite``, ``pip install --no-deps pyfing``,
 and in an environment of its own ``pip install slippy tribology``, with the old versions of NumPy and SciPy
 that they need; ``FINGERPAD_PEERS`` names the interpreter of that environment.
 """
@@ -30,8 +30,8 @@ from benchmarks import ROOT
 from benchmarks.arrays import Array, Pixels
 from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
+from benchmarks.cost import best
 from benchmarks.tables import off, percent, stated, table
-from benchmarks.timing import best
 from benchmarks.truth.hertz import exact_contact
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad._arrays import ArrayLike, as_float_array
@@ -84,20 +84,6 @@ def _pressed(ratio: ArrayLike) -> Contact:
     return hertz_contact(bodies, Tissue.of_reduced_modulus(MODULUS), load=LOAD)
 
 
-# What installs a peer that is no dependency of the tests.
-INSTALL: Final = {
-    "slippy": "pip install slippy into the environment of FINGERPAD_PEERS",
-    "tribology": "pip install tribology into the environment of FINGERPAD_PEERS",
-    "pyfing": "pip install --no-deps pyfing",
-    "nanite": "pip install nanite",
-}
-
-
-def _missing(name: str) -> str:
-    """Return what the row of a peer says that is not installed."""
-    return f"{name}: not installed ({next(how for peer, how in INSTALL.items() if peer in name)})"
-
-
 def hertz() -> None:
     """Print the largest error of semi-axes and indentation, and the time of a contact, of each peer."""
     exact = np.array([[float(x) for x in exact_contact(r, RADIUS, LOAD, MODULUS)[:3]] for r in RADII_RATIOS])
@@ -113,7 +99,7 @@ def hertz() -> None:
     for peer in ("slippy", "tribology"):
         answer = _ask(peer)
         if answer is None:
-            rows.append((_missing(peer), "–", "–", "–"))
+            rows.append((f"{peer}: not installed", "–", "–", "–"))
         else:
             rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
     table(
@@ -187,7 +173,7 @@ def contact_image(count: int) -> None:
         try:
             found = [way(image) for image in images]
         except ImportError:
-            rows.append((_missing(name), *4 * ("–",), 0))
+            rows.append((f"{name}: not installed", *4 * ("–",), 0))
             continue
         errors = np.array(found) / truth - 1
         area, rms = errors[:, 0], float(np.sqrt(np.nanmean(errors[:, 1:] ** 2)))
@@ -295,7 +281,7 @@ def loading(count: int) -> None:
                     value, std, at = answer
                     found.append((value / pad.modulus - 1, std / pad.modulus, at - place, spent))
             if not found:
-                rows.append((name, _missing(way), *4 * ("–",)))
+                rows.append((name, f"{way}: not installed", *4 * ("–",)))
                 continue
             e, std, at, spent = np.array(found).T
             micrometres = f"{1e3 * np.sqrt(np.mean(at**2)):.0f} µm"

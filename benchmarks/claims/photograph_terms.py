@@ -17,7 +17,6 @@ from benchmarks.claims import anatomic_fingers, finger_shapes, outlines, photogr
 from benchmarks.tables import percent, share, table
 from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph import face_arc
 from fingerpad.image.photograph.calibration import DOUBT
@@ -41,15 +40,10 @@ def faces(count: int, seed: int) -> Iterator[Face]:
     for marked in (False, True):
         for number in range(12 * count):
             ellipse = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
-            palmar = None if ellipse.face == "palmar" else ellipse.palmar
-            points = ellipse.arc_points(9) if marked else None
-            try:
-                found = measure_photograph(
-                    ellipse.pixels, ellipse.face, Scale(ellipse.mm_per_px), palmar=palmar, points=points
-                )
-            except FingerpadError:
-                continue
-            yield "ellipses, marked" if marked else "ellipses", np.asarray(ellipse.semi_axes), found._arc
+            found = photographs.measure(ellipse, marked=marked)
+            if found is not None:
+                family = "ellipses, marked" if marked else "ellipses"
+                yield family, np.asarray(ellipse.semi_axes), found._arc
     for place, kind in enumerate(outlines.KINDS):
         for number in range(4 * count):
             face = outlines.FACES[number % 3]

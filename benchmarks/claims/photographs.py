@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array
+from benchmarks.claims import finger_shapes
 from benchmarks.tables import percent, share, stated, table
-from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import Face, Scale, measure_photograph
+from fingerpad.image import Face, PhotographFit
 from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
 
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial", "ulnar")
@@ -63,19 +63,19 @@ def random_finger(seed: int, least_arc_deg: float, greatest_arc_deg: float = 180
     )
 
 
+def measure(finger: SyntheticFinger, *, marked: bool) -> PhotographFit | None:
+    """Return the measurement of a finger with nine marks or none, None where it is refused."""
+    palmar = None if finger.face == "palmar" else finger.palmar
+    points = finger.arc_points(9) if marked else None
+    return finger_shapes.measure(finger.pixels, finger.face, finger.mm_per_px, palmar, points)
+
+
 def trial(seed: int, *, marked: bool) -> Trial | None:
     """Measure one finger, None where that is refused."""
     cv2.setNumThreads(1)
     truth = random_finger(seed, 60 if marked else 120)
-    try:
-        found = measure_photograph(
-            truth.pixels,
-            truth.face,
-            Scale(truth.mm_per_px),
-            palmar=None if truth.face == "palmar" else truth.palmar,
-            points=truth.arc_points(9) if marked else None,
-        )
-    except (ImageError, FitError):
+    found = measure(truth, marked=marked)
+    if found is None:
         return None
     return Trial(
         arc_deg=float(np.degrees(truth.arc[1] - truth.arc[0])),

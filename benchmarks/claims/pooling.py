@@ -37,68 +37,69 @@ class Score(NamedTuple):
     covered: Array
 
 
-def _score(off: ArrayLike, std: ArrayLike, held: ArrayLike) -> Score:
-    """Score repeats along the first axis: errors, stated uncertainties, and whether intervals held."""
-    off, typical = np.asarray(off, dtype=float), np.sqrt(np.mean(np.square(std), axis=0))
-    return Score(
-        bias=off.mean(axis=0) / typical,
-        error=off.std(axis=0) / typical / np.sqrt(len(off)),
-        covered=np.asarray(held, dtype=float).mean(axis=0),
+def _score(one: Callable[[Rng], tuple[ArrayLike, ArrayLike, ArrayLike]], repeats: int, *seed: int) -> Score:
+    """Score repeats of what gives errors, stated uncertainties, and whether intervals held."""
+    rng = np.random.default_rng(seed)
+    off, std, held = (
+        np.array(each, dtype=float) for each in zip(*(one(rng) for _ in range(repeats)), strict=True)
     )
+    typical = np.sqrt(np.mean(np.square(std), axis=0))
+    error = off.std(axis=0) / typical / np.sqrt(repeats)
+    return Score(bias=off.mean(axis=0) / typical, error=error, covered=held.mean(axis=0))
 
 
 def faces(names: Sequence[Face], std: ArrayLike, scale_std: float, repeats: int, seed: int = 0) -> Score:
     """Score the three semi-axes from faces whose outlines err by `std` (mm), each in a scale of its own."""
-    random, off, stds = np.random.default_rng([seed, 1]), [], []
-    for _ in range(repeats):
+
+    def one(random: Rng) -> tuple[Array, Array, Array]:
         seen = []
         for name, own in zip(names, np.broadcast_to(std, len(names)), strict=True):
             lengths = PAD[[SEMI_AXES.index(axis) for axis in FACE_AXES[name]]]
             measured = (lengths + own * random.normal(size=2)) * (1 + scale_std * random.normal())
-            seen.append(
-                FaceSemiAxes(
-                    face=name, semi_axes=measured, covariance=own**2 * np.eye(2), relative_scale_std=scale_std
-                )
-            )
+            known = {"covariance": own**2 * np.eye(2), "relative_scale_std": scale_std}
+            seen.append(FaceSemiAxes(face=name, semi_axes=measured, **known))
         found = combine_faces(seen)
-        off.append(found.semi_axes - PAD)
-        stds.append(found.stds)
-    return _score(off, stds, np.abs(off) < 1.96 * np.array(stds))
+        off = found.semi_axes - PAD
+        return off, found.stds, np.abs(off) < 1.96 * found.stds
+
+    return _score(one, repeats, seed, 1)
 
 
 def estimates(count: int, relative_std: float, repeats: int, seed: int = 0) -> Score:
     """Score the mean of estimates of one value, as of the radii from several loading curves."""
-    random, rows = np.random.default_rng([seed, 2]), []
-    for _ in range(repeats):
+
+    def one(random: Rng) -> tuple[float, float, bool]:
         relative = relative_std * random.uniform(0.5, 1.5, count)
         values = RADIUS * (1 + relative * random.normal(size=count))
         found = pool(values, proportional_stds(values, relative * values))
         off = found.value - RADIUS
-        rows.append((off, found.total_std, abs(off) < 1.96 * found.total_std))
-    return _score(*np.array(rows).T)
+        return off, found.total_std, abs(off) < 1.96 * found.total_std
+
+    return _score(one, repeats, seed, 2)
 
 
 def varying(count: int, relative_std: float, between: float, repeats: int, seed: int = 0) -> Score:
     """Score the mean of values that differ by `between` of themselves, and share an error of 1 %."""
-    random, rows = np.random.default_rng([seed, 3]), []
-    for _ in range(repeats):
+
+    def one(random: Rng) -> tuple[float, float, bool]:
         relative = relative_std * random.uniform(0.5, 1.5, count)
         truths = RADIUS * (1 + between * random.normal(size=count))
         values = truths * (1 + relative * random.normal(size=count)) * (1 + 0.01 * random.normal())
         shared = 0.01**2 * np.outer(values, values)
         found = pool_random_effects(values, proportional_stds(values, relative * values), shared)
         low, high = found.interval
-        rows.append((found.value - RADIUS, found.total_std, low <= RADIUS <= high))
-    return _score(*np.array(rows).T)
+        return found.value - RADIUS, found.total_std, low <= RADIUS <= high
+
+    return _score(one, repeats, seed, 3)
 
 
 def people(
     count: int, relative_std: float, repeats: int, seed: int = 0, *, fingers_as_people: bool = False
 ) -> Score:
     """Score the mean over people of three fingers each, who differ by 10 %, their fingers by 5 %."""
-    random, rows = np.random.default_rng([seed, 4]), []
     given: dict[str, Any] = {"quantity": "radius_from_indentation_mm", "study": "A", "synthetic": False}
-    for _ in range(repeats):
+
+    def one(random: Rng) -> tuple[float, float, bool]:
         person = RADIUS * (1 + 0.1 * random.normal(size=(count, 1)))
         seen = person * (1 + 0.05 * random.normal(size=(count, 3)))
         seen = seen * (1 + relative_std * random.normal(size=(count, 3)))
@@ -114,8 +115,9 @@ def people(
         )
         assert mean.interval is not None
         low, high = mean.interval
-        rows.append((mean.value - RADIUS, mean.std, low <= RADIUS <= high))
-    return _score(*np.array(rows).T)
+        return mean.value - RADIUS, mean.std, low <= RADIUS <= high
+
+    return _score(one, repeats, seed, 4)
 
 
 def contacts(count: int, relative_std: float, elongation: float, repeats: int, seed: int = 0) -> Score:
@@ -128,16 +130,17 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
         ]
     )
     study, pads = study_of({"f": None}, PAD), {"f": finger("f", PAD)}
-    random, off, stds = np.random.default_rng([seed, 5]), [], []
-    for _ in range(repeats):
+
+    def one(random: Rng) -> tuple[Array, Array, Array]:
         seen = [
             _contact(random, float(load), relative_std, elongation) for load in np.geomspace(0.25, 4, count)
         ]
         (summary,) = pool_contacts(model_contacts(study, pads, seen))
-        pooled = [summary.corrected_radius, summary.compliance_radius]
-        off.append([one.value - true for one, true in zip(pooled, truth, strict=True) if one])
-        stds.append([one.std for one in pooled if one])
-    return _score(off, stds, np.abs(off) < 1.96 * np.array(stds))
+        pooled = [each for each in (summary.corrected_radius, summary.compliance_radius) if each]
+        off, stds = np.array([each.value for each in pooled]) - truth, np.array([each.std for each in pooled])
+        return off, stds, np.abs(off) < 1.96 * stds
+
+    return _score(one, repeats, seed, 5)
 
 
 def _contact(

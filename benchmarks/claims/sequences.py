@@ -7,16 +7,9 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
+import fingerpad as fp
 from benchmarks.arrays import Array
 from benchmarks.tables import table
-from fingerpad.image import (
-    ForceSignal,
-    FrameRate,
-    Scale,
-    measure_contact_image,
-    measure_sequence,
-    open_frames,
-)
 from fingerpad.simulate import render_sequence
 
 PPI, FPS = 300.0, 50.0
@@ -28,7 +21,7 @@ def report() -> None:
     load = np.interp(times, [0, 0.5, 1.5, 2.5, 3.5, 4], [0, 0, 2, 2, 0, 0])
     rows: list[tuple[object, ...]] = []
     speeds = []
-    scale = Scale.of_ppi(PPI)
+    scale = fp.Scale.of_ppi(PPI)
     for look in ("livescan", "prism", "ink"):
         press = render_sequence(load, look=look, flicker=0.02, ppi=PPI, seed=3)
         with tempfile.TemporaryDirectory() as folder:
@@ -36,10 +29,10 @@ def report() -> None:
             with tifffile.TiffWriter(path) as tiff:
                 for index in range(times.size):
                     tiff.write(press.pixels(index), photometric="minisblack", contiguous=False)
-            frames = open_frames(path)
-            signal = ForceSignal(times, load)
+            frames = fp.open_frames(path)
+            signal = fp.ForceSignal(times, load)
             start = time.perf_counter()
-            results = list(measure_sequence(frames, scale, clock=FrameRate(FPS), force=signal))
+            results = list(fp.measure_sequence(frames, scale, clock=fp.FrameRate(FPS), force=signal))
             spent = time.perf_counter() - start
             held: list[int] = []
             for phase in ("loading", "hold", "unloading"):
@@ -48,7 +41,7 @@ def report() -> None:
                 rows.append(_cells(look, phase, areas, press.gross_area[[r.index for r in chosen]]))
                 held = [r.index for r in chosen] if phase == "hold" else held
             alone = [
-                measure_contact_image(frame.pixels, scale).gross_area
+                fp.measure_contact_image(frame.pixels, scale).gross_area
                 for frame in frames
                 if frame.index in held and frame.pixels is not None
             ]

@@ -3,12 +3,11 @@
 Three pads are pressed at ten loads each. MuJoCo runs the exported file; Drake reads it where it is installed
 (``pip install drake``), and otherwise its formula is integrated over the exported mesh. Newton 1.8 makes
 hydroelastic contacts on CUDA devices alone: its law and the table of pressures are integrated over the
-overlap. With ``figure=FILE`` the usual pad is drawn.
+overlap.
 """
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -29,8 +28,7 @@ _CELLS: Final = 601
 _SECONDS: Final = 4.0
 
 
-@dataclass(frozen=True, slots=True)
-class Pad:
+class Pad(NamedTuple):
     """Tissue, and the range of loads."""
 
     tissue: Tissue
@@ -48,7 +46,6 @@ PADS: Final = {
 class Row(NamedTuple):
     """A simulator's loads, those of the solver at the same indentations, and the factors of its area."""
 
-    indentation: Array
     load: Array
     solved: Array
     area_factor: Array
@@ -71,24 +68,24 @@ def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
     solved = [solve_contact(PLACE, pad.tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
     kh, pressures = law.newton_kh().kh, law.pressure_by_depth()
-    newton, foundation, overlap = [], [], []
+    found = []
     for depth in indentation:
         deep, cell = _overlap(depth)
-        newton.append(kh * deep.sum() * cell)
-        foundation.append(float(pressures.pressure_at(deep).sum()) * cell)
-        overlap.append(float((deep > 0).sum()) * cell * 1e6)
-    factor = np.array(overlap) / area
+        pressure = pressures.pressure_at(deep).sum()
+        found.append((kh * deep.sum() * cell, pressure * cell, (deep > 0).sum() * cell * 1e6))
+    newton, foundation, overlap = np.array(found).T
     rows = {
-        "pressure by depth": Row(indentation, np.array(foundation), load, factor),
-        "Newton `kh`": Row(indentation, np.array(newton), load, factor),
+        "pressure by depth": Row(foundation, load, overlap / area),
+        "Newton `kh`": Row(newton, load, overlap / area),
     }
     with tempfile.TemporaryDirectory() as folder:
         export_finger(law, Path(folder), effective_mass=MASS)
         drake, section = _drake(law, Path(folder), indentation)
-        rows["Drake"] = Row(indentation, drake, load, section / area)
-        rested, loads = _mujoco(Path(folder), np.geomspace(*pad.loads, count))
+        rows["Drake"] = Row(drake, load, section / area)
+        loads = np.geomspace(*pad.loads, count)
+        rested = _mujoco(Path(folder), loads)
     held = np.array([float(solve_contact(PLACE, pad.tissue, indentation=depth).load) for depth in rested])
-    rows["MuJoCo"] = Row(rested, loads, held, np.full(count, np.nan))
+    rows["MuJoCo"] = Row(loads, held, np.full(count, np.nan))
     return rows
 
 
@@ -101,7 +98,7 @@ def _overlap(indentation: float) -> tuple[Array, float]:
     return depth * 1e-3, float(side[1] - side[0]) ** 2 * 1e-6
 
 
-def _mujoco(folder: Path, loads: Array) -> tuple[Array, Array]:
+def _mujoco(folder: Path, loads: Array) -> list[float]:
     """Return the indentations at which the exported finger rests."""
     model = mujoco.MjModel.from_xml_path(str(folder / "finger.xml"))
     data = mujoco.MjData(model)
@@ -110,7 +107,7 @@ def _mujoco(folder: Path, loads: Array) -> tuple[Array, Array]:
         data.ctrl[0] = load
         mujoco.mj_step(model, data, round(_SECONDS / model.opt.timestep))
         rested.append(1000 * float(data.qpos[0]))
-    return np.array(rested), loads
+    return rested
 
 
 def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, Array]:
@@ -147,9 +144,9 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, 
     return loads, areas
 
 
-def report(figure: str = "") -> None:
+def report() -> None:
     """Print the table of errors, as it stands in the documentation."""
-    table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), _cells(figure))
+    table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), _cells())
     try:
         drake = f"Drake {version('drake')} and"
     except PackageNotFoundError:
@@ -157,7 +154,7 @@ def report(figure: str = "") -> None:
     print(f"\nMuJoCo {version('mujoco')}, {drake} Newton's law over the overlap, as Newton 1.8 needs a GPU.")
 
 
-def _cells(figure: str) -> Iterator[tuple[str, ...]]:
+def _cells() -> Iterator[tuple[str, ...]]:
     for name, pad in PADS.items():
         rows = rows_of(pad)
         low, high = pad.loads
@@ -168,18 +165,3 @@ def _cells(figure: str) -> Iterator[tuple[str, ...]]:
         errors = (percent(row.error) for row in rows.values())
         area = f"× {rows['Newton `kh`'].area:.2f}"
         yield f"{name}: {pad.words}, {low:g}–{high:g} N", *errors, area, elements
-        if figure and name == "usual":
-            _draw(rows, Path(figure))
-
-
-def _draw(rows: dict[str, Row], path: Path) -> None:
-    import matplotlib.pyplot as plt  # noqa: PLC0415 (only for the figure)
-
-    drawn, axes = plt.subplots(figsize=(5.2, 3.6), layout="constrained")
-    first = next(iter(rows.values()))
-    axes.plot(first.indentation, first.solved, "k-", label="solver")
-    for (name, row), mark in zip(rows.items(), "o^s+", strict=True):
-        axes.plot(row.indentation, row.load, mark, fillstyle="none", label=name.replace("`", ""))
-    axes.set(xlabel="indentation (mm)", ylabel="load (N)", xlim=(0, None), ylim=(0, None))
-    axes.legend(frameon=False)
-    drawn.savefig(path, dpi=150)

@@ -75,11 +75,6 @@ def solved(rows: Array, *, is_pad: bool) -> Solved:
     )
 
 
-def elliptical(rows: Array) -> Solved:
-    """Return kept elliptical paraboloids on a layer."""
-    return solved(rows, is_pad=False)
-
-
 def pads(rows: Array) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
     return solved(rows[_is_near(rows)], is_pad=True)
@@ -369,7 +364,7 @@ def coefficients() -> dict[str, Array]:
 def fit_all() -> None:
     """Fit all coefficients, and put them in place of those in use."""
     kept = np.load(KEPT)
-    fit_layer(elliptical(kept["elliptical"]))
+    fit_layer(solved(kept["elliptical"], is_pad=False))
     fit_pads(pads(kept["pads"]))
     fit_both(pads(kept["layered"]))
     fit_guesses()

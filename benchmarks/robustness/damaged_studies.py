@@ -41,19 +41,13 @@ ODD: Final[tuple[Any, ...]] = (
 NAME: Final = "demo"
 EVENTS: Final = f"/api/studies/{NAME}/events"
 STUDY: Final = "/api/studies/{study}"
+PHOTOGRAPH: Final = "synthetic_pad/synthetic/photograph_palmar.jpg"
+ITEMS: Final = "waiting", "synthetic_30deg_2N", PHOTOGRAPH, "synthetic_press_30deg#3"
 # What to ask of routes that need to be asked something.
 QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
     f"{STUDY}/frames": ({"sequence": "synthetic_press_30deg"},),
     **{
-        f"{STUDY}/picture/{kind}": tuple(
-            {"item": item, **more}
-            for item in (
-                "waiting",
-                "synthetic_30deg_2N",
-                "synthetic_pad/synthetic/photograph_palmar.jpg",
-                "synthetic_press_30deg#3",
-            )
-        )
+        f"{STUDY}/picture/{kind}": tuple({"item": item, **more} for item in ITEMS)
         for kind, more in (("info", {}), ("preview", {"longest_px": 64}), ("thumbnail", {}))
     },
     f"{STUDY}/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
@@ -72,7 +66,7 @@ def add_corrections(folder: Path) -> None:
     for item, change in (
         ("synthetic_30deg_2N", {"threshold": 50.0}),
         ("synthetic_press_30deg#3", {"rejected": "moved"}),
-        ("synthetic_pad/synthetic/photograph_palmar.jpg", {"accepted": True}),
+        (PHOTOGRAPH, {"accepted": True}),
     ):
         log.append(item, change, who="ada", expected=0, study=study)
     incomplete = {

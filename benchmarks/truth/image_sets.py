@@ -4,29 +4,28 @@ Independent images have ridges by Gabor filters or the Swift-Hohenberg equation;
 which width ridges touch; elastic ridges are profiles pressed flat; stripes follow an orientation field.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
 from benchmarks.truth import elastic_ridges, independent_images, pressure_images, stripe_images
 from benchmarks.truth.true_image import TrueImage
 
-CONDITIONS: Final[dict[str, Mapping[str, object]]] = {
-    "independent images": independent_images.CONDITIONS,
-    "pressure field": pressure_images.CONDITIONS,
-    "elastic ridges": elastic_ridges.CONDITIONS,
-    "stripes": stripe_images.CONDITIONS,
+# Conditions of each set, and what makes an image of one with a number and a seed.
+_SETS: Final[dict[str, tuple[Mapping[str, object], Callable[[str, int, int], TrueImage]]]] = {
+    "independent images": (independent_images.CONDITIONS, independent_images.independent_image),
+    "pressure field": (
+        pressure_images.CONDITIONS,
+        lambda condition, number, seed: pressure_images.pressure_image(condition, 100 * seed + number),
+    ),
+    "elastic ridges": (elastic_ridges.CONDITIONS, elastic_ridges.elastic_image),
+    "stripes": (stripe_images.CONDITIONS, stripe_images.stripe_image),
 }
+CONDITIONS: Final = {name: conditions for name, (conditions, _) in _SETS.items()}
 
 
 def draw(name: str, condition: str, number: int, seed: int) -> TrueImage:
     """Return an image of a condition of a set; it depends on nothing else."""
-    if name == "independent images":
-        return independent_images.independent_image(condition, number, seed)
-    if name == "pressure field":
-        return pressure_images.pressure_image(condition, 100 * seed + number)
-    if name == "elastic ridges":
-        return elastic_ridges.elastic_image(condition, number, seed)
-    return stripe_images.stripe_image(condition, number, seed)
+    return _SETS[name][1](condition, number, seed)
 
 
 def images(

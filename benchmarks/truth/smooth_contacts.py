@@ -68,8 +68,8 @@ class Gap:
             found = np.where(total > 0, -2 * product / (total + root), 0.5 * (root - total))
         return np.maximum(np.nan_to_num(found), 0.0)
 
-    def __call__(self, x: Array, y: Array) -> Array:
-        """Return the gap at points in the ellipse's frame, x along its major axis."""
+    def _integrals(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return the integrals up to λ of Hertz and of a flat punch."""
         end = np.sqrt(self.coordinate(x, y))
         of_hertz, of_punch = np.zeros_like(end), np.zeros_like(end)
         x2, y2 = x * x, y * y
@@ -79,6 +79,11 @@ class Gap:
             step = weight * end / np.sqrt(across * along)
             of_hertz += step * (x2 / across + y2 / along - 1)
             of_punch += step
+        return of_hertz, of_punch
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        """Return the gap at points in the ellipse's frame, x along its major axis."""
+        of_hertz, of_punch = self._integrals(x, y)
         return np.maximum(self.hertz * of_hertz + self.adhesive * of_punch, 0.0)
 
     def surface(self, x: Array, y: Array) -> Array:
@@ -97,12 +102,7 @@ class Gap:
 
     def punch(self, x: Array, y: Array) -> Array:
         """Return the depth of a surface around a flat elliptical punch of unit depth."""
-        end = np.sqrt(self.coordinate(x, y))
-        out = np.zeros_like(end)
-        for node, weight in zip(_T, _W, strict=True):
-            s = (0.5 * end * (node + 1)) ** 2
-            out += weight * end / np.sqrt((self.a**2 + s) * (self.b**2 + s))
-        return 1 - out / self.flat
+        return 1 - self._integrals(x, y)[1] / self.flat
 
 
 def _smooth_noise(rng: Rng, shape: Shape, size: float, octaves: int = 1) -> Array:
