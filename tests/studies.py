@@ -75,11 +75,17 @@ def write_study(folder: Path, *tables: Table, title: str = "T", **top: Any) -> P
     folder.mkdir(parents=True, exist_ok=True)
     plain = {key: value for key, value in top.items() if not isinstance(value, dict)}
     lines = [f"{key} = {_toml(value)}" for key, value in {"title": title, **plain}.items()]
-    named = {key: value for key, value in top.items() if isinstance(value, dict)}
-    for header, keys in [*named.items(), *((f"[{table.kind}]", table.keys) for table in tables)]:
-        lines += [f"[{header}]", *(f"{key} = {_toml(value)}" for key, value in keys.items())]
+    named = (Table(key, value) for key, value in top.items() if isinstance(value, dict))
+    lines += [_toml_table(f"[{table.kind}]", table) for table in named]
     (folder / "study.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    append_tables(folder, *tables)
     return folder / "study.toml"
+
+
+def append_tables(folder: Path, *tables: Table) -> None:
+    """Add tables to the end of study.toml."""
+    with (folder / "study.toml").open("a", encoding="utf-8") as file:
+        file.writelines(_toml_table(f"[[{table.kind}]]", table) + "\n" for table in tables)
 
 
 def study_of(*tables: Table, title: str = "T", **top: Any) -> Study:
@@ -118,6 +124,10 @@ def page_of(result: StudyResult, out: Path) -> str:
 def _place(finger: str, wedge: float, **keys: Any) -> dict[str, Any]:
     name = {"name": keys.pop("name")} if "name" in keys else {}
     return {**name, "finger": finger, "wedge_angle_deg": wedge, **keys}
+
+
+def _toml_table(header: str, table: Table) -> str:
+    return "\n".join([header, *(f"{key} = {_toml(value)}" for key, value in table.keys.items())])
 
 
 def _toml(value: object) -> str:

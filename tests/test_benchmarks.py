@@ -42,22 +42,17 @@ def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, ca
     assert foot.endswith("; repeats 2.*\n")
 
 
-def test_a_key_that_is_not_there_leads_to_help():
-    with pytest.raises(SystemExit, match=r"'seeds'; `python -m benchmarks coins --help` lists its keys"):
-        command.measure("coins", {"seeds": 3})
-
-
-def test_a_package_that_is_missing_is_named(monkeypatch):
+def test_a_key_a_package_and_prints_that_are_missing_are_named(monkeypatch, tmp_path):
     monkeypatch.delitem(sys.modules, modules()["simulators"], raising=False)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(SystemExit, match="simulators needs the package mujoco: `make setup` installs"):
-        command.measure("simulators", {})
-
-
-def test_prints_that_are_missing_make_no_empty_table(monkeypatch, tmp_path):
     monkeypatch.setenv("FINGERPAD_PRINTS", str(tmp_path))
-    with pytest.raises(SystemExit, match="FINGERPAD_PRINTS names where they lie"):
-        command.measure("real_prints", {})
+    for name, keys, words in (
+        ("coins", {"seeds": 3}, r"'seeds'; `python -m benchmarks coins --help` lists its keys"),
+        ("simulators", {}, "simulators needs the package mujoco: `make setup` installs"),
+        ("real_prints", {}, "FINGERPAD_PRINTS names where they lie"),
+    ):
+        with pytest.raises(SystemExit, match=words):
+            command.measure(name, keys)
 
 
 def test_texts_name_benchmarks_that_are_there():

@@ -9,6 +9,7 @@ import pytest
 import tifffile
 from PIL import Image
 
+from fingerpad import Estimate
 from fingerpad.contact import (
     Tissue,
     equivalent_radius_from_area,
@@ -62,17 +63,12 @@ from fingerpad.uncertainty import Inputs, pad_model, propagate
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
-SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1, "angle": 0.0}
-GAP = {"first_radius": 12.0, "second_radius": 14.0, **SKEW}
-GRID = {
-    "points": np.moveaxis(np.indices((3, 3), dtype=float), 0, -1),
-    "spacing_mm": 1,
-    "spacing_mm_std": 0,
-    "homography": np.eye(3),
-}
+GAP = {"second_radius": 14.0, "first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1, "angle": 0.0}
+GRID = {"spacing_mm": 1, "spacing_mm_std": 0, "homography": np.eye(3)}
 FACE = {"face": "palmar", "semi_axes": (11.8, 13.8), "covariance": 0.01 * np.eye(2)}
-PIXELS = np.zeros((20, 30), np.uint8)
-PRESSED = {"gap": lambda x, y: (x**2 + y**2) / 20, "tissue": Tissue(0.1), "half_widths": (3, 3), "load": 1.0}
+GAP_TO_SOLVE = {"gap": lambda x, y: (x**2 + y**2) / 20, "tissue": Tissue(0.1), "load": 1.0}
+STROKE = {"action": "add", "points": [(9, 9)], "radius": 2}
+CENTRE = {"centre": (9, 9)}
 
 
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
@@ -80,38 +76,23 @@ PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(
 
 INVALID = {
     ImageError: [
-        (lambda: ImageEllipse(centre=(9, 9), semi_axes=(-1, 2)), r"larger first, found \(-1, 2\)"),
-        (lambda: ImageEllipse(centre=(9, 9), semi_axes=(60, 80)), "larger first"),
-        (
-            lambda: BrushStroke(action="paint", points=[(9, 9)], radius=2),
-            "a stroke must add or remove, found 'paint'",
-        ),
-        (
-            lambda: BrushStroke(action="add", points=[(9, 9)], radius=-2),
-            "radius of a stroke must be positive",
-        ),
+        (lambda: ImageEllipse(**CENTRE, semi_axes=(-1, 2)), r"larger first, found \(-1, 2\)"),
+        (lambda: ImageEllipse(**CENTRE, semi_axes=(60, 80)), "larger first"),
+        (lambda: BrushStroke(**STROKE | {"action": "paint"}), "a stroke must add or remove, found 'paint'"),
+        (lambda: BrushStroke(**STROKE | {"radius": -2}), "radius of a stroke must be positive"),
         (lambda: RegionPolygon(action="add", points=[(9, 9)]), r"3 or more, found shape \(1, 2\)"),
-        (
-            lambda: RegionPolygon(action="smear", points=[(9, 9)] * 3),
-            "must add or remove or replace, found 'smear'",
-        ),
+        (lambda: RegionPolygon(action="smear", points=[(9, 9)] * 3), "remove or replace, found 'smear'"),
         (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey levels"),
         (lambda: Picture(pixels=np.zeros((2, 2, 3)), dots_per_inch=500), r"found shape \(2, 2, 3\)"),
     ],
     FitError: [
         (lambda: FaceSemiAxes(**FACE | {"face": "top"}), "face must be one of palmar.*found 'top'"),
-        (
-            lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}),
-            "palmar face: semi_axes must be two positive",
-        ),
+        (lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}), "palmar face: semi_axes must be two pos"),
     ],
     GeometryError: [
         (lambda: PlaneEllipse(0, 0, -1, 2), "semi_x must be positive and finite, found -1"),
         (lambda: PlaneEllipse(0, np.nan, 1, 2), "y must be finite, found nan"),
-        (
-            lambda: ImageEllipse(centre=(9, 9), semi_axes=(9, 8), orientation=np.nan),
-            "orientation must be finite",
-        ),
+        (lambda: ImageEllipse(**CENTRE, semi_axes=(9, 8), orientation=np.nan), "orientation must be finite"),
         (lambda: render_sequence([0.0, 0.1], ppi=-1), "ppi must be positive and finite, found -1"),
         (lambda: Paraboloid([12, -1], 14), "first_radius .*found -1 at index 1"),
         (lambda: dataclasses.replace(PAD, distal=0), "distal"),
@@ -125,31 +106,25 @@ INVALID = {
         (lambda: Counterface(radius=0), "radius must be positive, found 0"),
         (lambda: Counterface(radius=np.nan), "radius must be positive, found nan"),
         (lambda: Counterface.cylinder(1.0, axis_angle=np.nan), "axis_angle must be finite, found nan"),
-        (lambda: Gap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
-        (lambda: Gap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
-        (lambda: solve_gap(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
+        (lambda: Gap(first_radius=-1, **GAP), "first_radius must be positive, found -1"),
+        (lambda: Gap(first_radius=12, **GAP | {"second_radius": 0}), "second_radius must be positive"),
+        (lambda: solve_gap(**GAP_TO_SOLVE, half_widths=(3, 0)), "half_widths must be two posit"),
     ],
     LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
         (lambda: LoadingCurve(load=["a"], indentation=[0]), r"load must be numeric, found \['a'\]"),
         (lambda: ForceSignal([0, 1], ["a", "b"]), "load must be numeric"),
         (lambda: FrameRate("a"), "frames_per_second must be numeric, found 'a'"),
-        (
-            lambda: FrameRate(10, anchor_frame=np.nan),
-            "anchor_frame must be a whole number or None, found nan",
-        ),
+        (lambda: FrameRate(10, anchor_frame=np.nan), "anchor_frame must be a whole number or None"),
         (lambda: PhaseIntervals([0, 1], ["x", "hold"]), "phase must be one of before, loading.*found 'x'"),
         (lambda: PhaseIntervals([0, "b"], ["loading", "hold"]), "start must be numeric"),
     ],
     CalibrationError: [
         (lambda: Scale("a"), "mm_per_px must be numeric, found 'a'"),
         (lambda: Scale.of_ppi("500"), "ppi must be numeric, found '500'"),
-        (
-            lambda: Picture(pixels=PIXELS, dots_per_inch=-1),
-            "dots_per_inch must be positive and finite, found -1",
-        ),
-        (lambda: Grid(**GRID | {"points": np.zeros((3, 3))}), r"rows, columns, 2\), found shape \(3, 3\)"),
-        (lambda: Grid(**GRID | {"points": np.full((3, 3, 2), np.nan)}), "points must be finite"),
+        (lambda: Picture(pixels=np.zeros((20, 30), np.uint8), dots_per_inch=-1), "dots_per_inch must be pos"),
+        (lambda: Grid(points=np.zeros((3, 3)), **GRID), r"rows, columns, 2\), found shape \(3, 3\)"),
+        (lambda: Grid(points=np.full((3, 3, 2), np.nan), **GRID), "points must be finite"),
     ],
 }
 
@@ -184,26 +159,23 @@ def test_pickle_and_replace() -> None:
 
 
 def test_monte_carlo_draws_accepted() -> None:
-    inputs = {
-        "distal": 13.8,
-        "radial_ulnar": 11.8,
-        "wedge_angle": 0.5,
-        "poisson_ratio": 0.5,
-        "image_scale": 1.0,
-        "edge_offset": 0.0,
-    }
-    inputs |= {"load": 2.0, "contact_radius": 6.0, "elongation": 0.3}
-    draws = pad_model(palmar=np.array([7.9, np.nan]), roll_angle=np.array([9.0, 0.0]), **inputs)
-    assert np.isnan(draws["indentation"]).tolist() == [False, True]
+    pad = {"distal": 13.8, "radial_ulnar": 11.8, "wedge_angle": 0.5, "poisson_ratio": 0.5}
+    image = {"image_scale": 1.0, "edge_offset": 0.0, "contact_radius": 6.0, "elongation": 0.3}
+    varied = {"palmar": np.array([7.9, np.nan]), "roll_angle": np.array([9.0, 0.0])}
+    assert np.isnan(pad_model(**varied, **pad, **image, load=2.0)["indentation"]).tolist() == [False, True]
+
+
+def propagated(load: float) -> Estimate:
+    return propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(load, 0.1)))["double"]
 
 
 SCALARS = {
     "palmar": lambda: PAD.palmar,
     "axis ratio": lambda: Ellipse(7.4, 5).axis_ratio,
     "semi-major": lambda: Ellipse(7.4, 5).semi_major,
-    "wedge": lambda: Placement(PAD, wedge_angle=0.5).wedge_angle,
-    "u": lambda: Placement(PAD, wedge_angle=0.5).u,
-    "in-plane radius": lambda: Placement(PAD, wedge_angle=0.5).curvature.in_plane_radius,
+    "wedge": lambda: PLACED.wedge_angle,
+    "u": lambda: PLACED.u,
+    "in-plane radius": lambda: PLACED.curvature.in_plane_radius,
     "angle": lambda: PLACED.gap.angle,
     "parametric angle": lambda: PAD.parametric_angles([1.0, 0, 0])[0],
     **{
@@ -216,10 +188,8 @@ SCALARS = {
     "at area": lambda: hertz_contact(BODIES, SOFT, area=80).semi_minor,
     "reduced modulus": lambda: SOFT.reduced_modulus,
     "Young's modulus": lambda: youngs_modulus(PLACED, load=2, area=80),
-    "estimate": lambda: (
-        propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(2, 0.1)))["double"].value
-    ),
-    "uncertainty": lambda: propagate(lambda load: {"double": load}, Inputs.of(load=(2, 0.1)))["double"].std,
+    "estimate": lambda: propagated(2).value,
+    "uncertainty": lambda: propagated(2).std,
     "F2": lambda: indentation_factor(0.7),
     "F1": lambda: size_factor(0.7),
     "secant modulus": lambda: secant_modulus(2, 1.8, loading_radius=20),
@@ -246,10 +216,12 @@ def test_image_arguments(tmp_path: Path) -> None:
     wanted = measure_contact_image(truth.pixels, scale).as_record()
     for image in (path, str(path), read_image(path)):
         assert measure_contact_image(image, scale.mm_per_px).as_record() == wanted
+    assert prepare_contact_image(truth.pixels, scale.mm_per_px).scale == Scale(scale.mm_per_px)
     with pytest.raises(ImageError, match="no such file"):
         measure_contact_image(str(tmp_path / "none.png"), scale)
-    with pytest.raises(CalibrationError, match="mm_per_px must be between .*found 500"):
-        measure_contact_image(path, 500)
+    for wrong, words in ((500, "between .*found 500"), ("500", "numeric, found '500'")):
+        with pytest.raises(CalibrationError, match=f"mm_per_px must be {words}"):
+            measure_contact_image(path, wrong)
 
 
 def test_sequence_arguments(tmp_path: Path) -> None:
@@ -285,38 +257,28 @@ def test_sequences_refused_at_call(message: str) -> None:
         SEQUENCES[message]()
 
 
-def test_numbers_as_scales() -> None:
-    truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    size, scale = truth.mm_per_px, Scale(truth.mm_per_px)
-    assert prepare_contact_image(truth.pixels, size).scale == scale
+def test_numbers_as_scales_of_photographs() -> None:
     handles = {"centre": (300, 200), "across_end": (300, 436), "along_end": (24, 200)}
     for measure, marks in (
         (photograph_from_handles, handles),
         (photograph_from_ellipse, {"centre": (300, 200), "semi_axes": (236, 276)}),
     ):
-        one, other = measure("palmar", size, **marks), measure("palmar", scale, **marks)
+        one, other = measure("palmar", 0.05, **marks), measure("palmar", Scale(0.05), **marks)
         np.testing.assert_array_equal(one.semi_axes, other.semi_axes)
         with pytest.raises(CalibrationError, match="mm_per_px must be numeric, found 'a'"):
             measure("palmar", "a", **marks)
-    with pytest.raises(CalibrationError, match="mm_per_px must be numeric, found '500'"):
-        measure_contact_image(truth.pixels, "500")
 
 
-def test_photograph_and_coin_by_path(tmp_path: Path) -> None:
+def test_photograph_coin_and_curve_by_path(tmp_path: Path) -> None:
     truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
-    path = tmp_path / "finger.png"
-    Image.fromarray(truth.pixels).save(path)
-    found = measure_photograph(str(path), "palmar", 0.1)
+    Image.fromarray(truth.pixels).save(tmp_path / "finger.png")
+    found = measure_photograph(str(tmp_path / "finger.png"), "palmar", 0.1)
     same = measure_photograph(truth.pixels, "palmar", Scale(0.1))
     assert found.semi_axes_mm == same.semi_axes_mm
     coin = render_coin(seed=1)
     Image.fromarray(coin.pixels).save(tmp_path / "coin.png")
     assert measure_coin(str(tmp_path / "coin.png")) == measure_coin(coin.pixels)
-
-
-def test_loading_curve_by_path(tmp_path: Path) -> None:
-    path = tmp_path / "curve.csv"
-    path.write_text("force_N,displacement_mm\n0,0\n1,1\n", encoding="utf-8")
-    assert read_loading_curve(str(path)).load.tolist() == [0, 1]
+    (tmp_path / "curve.csv").write_text("force_N,displacement_mm\n0,0\n1,1\n", encoding="utf-8")
+    assert read_loading_curve(str(tmp_path / "curve.csv")).load.tolist() == [0, 1]
     with pytest.raises(FingerpadError, match="none.csv"):
         read_loading_curve(str(tmp_path / "none.csv"))

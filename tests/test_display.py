@@ -74,14 +74,8 @@ def test_reprs_are_short(results: dict[str, object]) -> None:
 
 
 # Small inputs of a few numbers keep the representation of a dataclass or tuple.
-PLAIN = {
-    "FrameRate",
-    "ImageEllipse",
-    "PlaneEllipse",
-    "PrincipalRadii",
-    "PronyTerm",
-    "Table",  # what the tables of a manifest share
-}
+PLAIN = {"FrameRate", "ImageEllipse", "PlaneEllipse", "PrincipalRadii", "PronyTerm"}
+PLAIN |= {"Table"}  # what the tables of a manifest share
 PACKAGES = (
     "geometry", "contact", "image", "loading", "published", "simulate", "uncertainty",
     "study.manifest.load", "study.manifest.models",
@@ -158,18 +152,19 @@ def test_reprs_of_large_results_are_short(large: list[object]) -> None:
 
 
 def test_uncertain_outputs_print_one_line_each() -> None:
-    quantities = {"palmar": (7.9, 0.1), "distal": (13.8, 0.1), "radial_ulnar": (11.8, 0.1), "load": (2, 0.02)}
-    ellipse = {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
-    result = fp.pad_uncertainty(**quantities, **ellipse, wedge_angle=(np.radians(30), np.radians(0.5)))
+    quantities = {"palmar": (7.9, 0.1), "distal": (13.8, 0.1), "radial_ulnar": (11.8, 0.1)}
+    quantities |= {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
+    angle = (np.radians(30), np.radians(0.5))
+    result = fp.pad_uncertainty(**quantities, load=(2, 0.02), wedge_angle=angle)
     assert str(result).splitlines()[0] == "Propagated"
     assert re.search(r"\n  radius_from_indentation +13\.80 ± 0\.18\n", str(result))
     assert len(str(result).splitlines()) == 1 + len(result.names)
     assert len(repr(result)) < 600
     assert "<pre>Propagated" in result._repr_html_()
-    assert str(result["radius_from_indentation"]).startswith("13.80 ± 0.18")
-    assert f"{result['radius_from_indentation']}" == str(result["radius_from_indentation"])
-    loads = {**quantities, "load": ([1.0, 2.0], 0.02)}
-    two = fp.pad_uncertainty(**loads, **ellipse, wedge_angle=0.5)
+    radius = result["radius_from_indentation"]
+    assert f"{radius}" == str(radius)
+    assert str(radius).startswith("13.80 ± 0.18")
+    two = fp.pad_uncertainty(**quantities, load=([1.0, 2.0], 0.02), wedge_angle=0.5)
     assert "\n  indentation " in str(two)
 
 
@@ -213,21 +208,20 @@ def test_show_saves_by_suffix(results, tmp_path: Path, name: str, file: str, sta
 
 
 def test_show_errors(results, tmp_path: Path) -> None:
-    with pytest.raises(fp.FingerpadError, match="no drawing of a LoadingCurve: give a measured image"):
-        fp.show(CURVE)
-    for file in ("a.xyz", "no-folder/a.png"):
-        with pytest.raises(fp.FingerpadError, match=f"{file}: cannot be written"):
-            fp.show(results["fit"], tmp_path / file)
-    with pytest.raises(fp.FingerpadError, match="a.xyz: cannot be written"):
-        fp.show(results["photograph"], tmp_path / "a.xyz")
-    with pytest.raises(fp.FingerpadError, match="up to 20 contacts can be drawn, found 30"):
-        fp.show(fp.hertz_contact(fp.Paraboloid(12, 14), SOFT, load=np.ones(30)))
-    with pytest.raises(fp.FingerpadError, match="one placement can be drawn, found 2"):
-        fp.show(fp.Placement(PAD, wedge_angle=[0.4, 0.5]))
-    prepared = prepare_contact_image(contact().pixels, fp.Scale.of_ppi(250))
-    with pytest.raises(fp.FingerpadError, match=r"not kept .* draw_overlay\(pixels, result\)"):
-        fp.show(prepared.measure())
-    assert prepared.measure()._repr_html_().startswith("<pre>")
+    prepared = prepare_contact_image(contact().pixels, fp.Scale.of_ppi(250)).measure()
+    many = fp.hertz_contact(fp.Paraboloid(12, 14), SOFT, load=np.ones(30))
+    for given, words in (
+        ((CURVE,), "no drawing of a LoadingCurve: give a measured image"),
+        ((results["fit"], tmp_path / "a.xyz"), "a.xyz: cannot be written"),
+        ((results["fit"], tmp_path / "no-folder/a.png"), "no-folder/a.png: cannot be written"),
+        ((results["photograph"], tmp_path / "a.xyz"), "a.xyz: cannot be written"),
+        ((many,), "up to 20 contacts can be drawn, found 30"),
+        ((fp.Placement(PAD, wedge_angle=[0.4, 0.5]),), "one placement can be drawn, found 2"),
+        ((prepared,), r"not kept .* draw_overlay\(pixels, result\)"),
+    ):
+        with pytest.raises(fp.FingerpadError, match=words):
+            fp.show(*given)
+    assert prepared._repr_html_().startswith("<pre>")
 
 
 def test_summaries_leave_out_only_what_is_empty() -> None:

@@ -83,13 +83,8 @@ def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert Path("overlay.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_finger_for_simulators_is_what_the_code_prints() -> None:
-    printed, said = run_page("docs/how-to/simulators.md")
-    assert len(said) == 3
-    assert printed == said
-
-
-def test_explained_contact_is_what_the_code_prints() -> None:
-    printed, said = run_page("docs/explanation/pad-to-contact.md")
-    assert len(said) == 6
+@pytest.mark.parametrize(("page", "lines"), [("how-to/simulators", 3), ("explanation/pad-to-contact", 6)])
+def test_pages_say_what_their_code_prints(page: str, lines: int) -> None:
+    printed, said = run_page(f"docs/{page}.md")
+    assert len(said) == lines
     assert printed == said

@@ -22,13 +22,6 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 SEQUENCE = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
 HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--reduced-modulus-kpa", "100")
 PROGRAM = (sys.executable, "-m", "fingerpad")
-# The same, with interrupts, which processes started in the background ignore.
-INTERRUPTIBLE = (
-    sys.executable,
-    "-c",
-    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from fingerpad.__main__ import main; print('started', flush=True); main()",
-)
 
 
 def shell(redirection: str, *arguments: str) -> tuple[int, str]:
@@ -90,10 +83,7 @@ def prints(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return files
 
 
-@pytest.mark.parametrize(
-    "fault",
-    [MemoryError(), cv2.error("bad\nsize")],
-)
+@pytest.mark.parametrize("fault", [MemoryError(), cv2.error("bad\nsize")])
 def test_unexpected_error_fails_one_picture(
     fault: Exception, prints: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,17 +95,16 @@ def test_unexpected_error_fails_one_picture(
         return read(path)
 
     monkeypatch.setattr(fingerpad.image, "read_image", read_all_but_one)
-    for more in (["--json"], []):
-        code, out, err = command.run("measure", "print", *prints, "--ppi", 500, *more)
-        assert (code, err) == (3, "")
-        if more:
-            good, bad, other = json.loads(out)
-            assert good["semi_major_mm"] == other["semi_major_mm"] > 0
-            assert bad["error"].startswith(f"{prints[1]}: cannot be measured (")
-            assert "\n" not in bad["error"]
-        else:
-            assert out.count("semi_major_mm ") == 2
-            assert "cannot be measured (" in out
+    code, out, err = command.run("measure", "print", *prints, "--ppi", 500, "--json")
+    assert (code, err) == (3, "")
+    good, bad, other = json.loads(out)
+    assert good["semi_major_mm"] == other["semi_major_mm"] > 0
+    assert bad["error"].startswith(f"{prints[1]}: cannot be measured (")
+    assert "\n" not in bad["error"]
+    code, out, err = command.run("measure", "print", *prints, "--ppi", 500)
+    assert (code, err) == (3, "")
+    assert out.count("semi_major_mm ") == 2
+    assert "cannot be measured (" in out
 
 
 def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,20 +146,26 @@ def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
     assert len(codes) > 1
 
 
+def interruptible(*arguments: object) -> subprocess.Popen[str]:
+    """Start the program with interrupts, which processes started in the background ignore."""
+    script = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from fingerpad.__main__ import main; print('started', flush=True); main()"
+    )
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "started\n"
+    return process
+
+
 @pytest.mark.parametrize("count", [2, pytest.param(16, marks=pytest.mark.nightly)])
 def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
     rng = np.random.default_rng(2)
-    commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
+    commands = [("measure", "print", *prints * 20, "--ppi", 500), HERTZ]
     codes = []
     for number in range(count):
-        process = subprocess.Popen(
-            [*INTERRUPTIBLE, *commands[number % 2]],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert process.stdout is not None
-        assert process.stdout.readline() == "started\n"
+        process = interruptible(*commands[number % 2])
         time.sleep(rng.uniform(0.03, 1.2))
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
@@ -180,31 +175,30 @@ def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
     assert codes.count(130) >= count // 5
 
 
+DELETED = "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
+REPRODUCE = "fingerpad.published.audit"
+
+
 @pytest.mark.parametrize(
     ("place", "function"),
     [
         # An exception in a destructor is ignored, an interrupt that comes there too.
-        (
-            "fingerpad.__main__._run",
-            "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
-            "def instead():\n    Deleted()\n    return real()\n",
-        ),
+        ("fingerpad.__main__._run", f"{DELETED}def instead():\n    Deleted()\n    return real()\n"),
         # The same where a thread takes longer to start than to interrupt.
         (
             "fingerpad.__main__._run",
             "import time\nclass Slow(program.Timer):\n"
             "    def start(self): super().start(); time.sleep(0.03)\nprogram.Timer = Slow\n"
-            "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
-            "def instead():\n    Deleted()\n    return real()\n",
+            f"{DELETED}def instead():\n    Deleted()\n    return real()\n",
         ),
         # A compiled module turns an interrupt during its import into an ImportError.
         (
-            "fingerpad.published.audit",
+            REPRODUCE,
             "def instead():\n    raise ImportError('initialization failed') from KeyboardInterrupt()\n",
         ),
         # A model that pydantic makes turns one into words.
         (
-            "fingerpad.published.audit",
+            REPRODUCE,
             "from pydantic_core import SchemaError\n"
             "def instead():\n    raise SchemaError('Error building model: KeyboardInterrupt:')\n",
         ),
@@ -221,7 +215,7 @@ def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
         ),
         # A compiled module that is interrupted while it makes its classes crashes when Python closes it.
         (
-            "fingerpad.published.audit",
+            REPRODUCE,
             "import enum\nmake = enum.EnumType.__call__\n"
             "def interrupted(cls, *arguments, **named):\n"
             "    if len(arguments) == 1: return make(cls, *arguments)\n"
@@ -252,15 +246,7 @@ def test_interrupt_at_the_end_without_traceback() -> None:
 
 
 def test_interrupted_sequence_message() -> None:
-    with subprocess.Popen(
-        [*INTERRUPTIBLE, "measure", "sequence", str(SEQUENCE), "--ppi", "240", "--json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        assert process.stdout.readline() == "started\n"
+    with interruptible("measure", "sequence", SEQUENCE, "--ppi", 240, "--json") as process:
         first = process.stdout.readline()
         process.send_signal(signal.SIGINT)
         rest, err = process.stdout.read(), process.stderr.read()

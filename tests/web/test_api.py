@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.truth.grids import Scene
 from PIL import Image, ImageSequence
-from tests.studies import PAD, Table, finger, write_study
+from tests.studies import PAD, Table, append_tables, finger
 from tests.web.conftest import client_of, serving
 from tests.web.test_files import upload
 
@@ -97,14 +97,13 @@ def test_a_contact_is_measured_and_modelled(standing):
 
 def test_a_contact_without_finger_angle_and_load_has_no_radius(client, studies_folder):
     """A finger that happens to have the name of a placeholder is not taken for it."""
-    manifest, scale = studies_folder / "demo" / "study.toml", {"scale": {"ppi": 500}}
-    other = write_study(
-        studies_folder / "other",
+    scale = {"scale": {"ppi": 500}}
+    append_tables(
+        studies_folder / "demo",
         finger("none"),
         Table("observations", {"name": "draft", "file": f"synthetic/{PRINT}.png", **scale}),
         Table("sequences", {"name": "film", "file": "synthetic/synthetic_press_30deg.tif", **scale}),
     )
-    manifest.write_text(manifest.read_text() + other.read_text().replace('title = "T"', ""))
     for item in ("draft", "film#12"):
         answer = measured(client, item)
         assert answer["numbers"]["gross_area_mm2"]["value"] > 10

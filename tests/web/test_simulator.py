@@ -19,7 +19,7 @@ def place(done):
     return {"finger": group["finger"], "wedge_angle_deg": group["wedge_angle_deg"]["value"]}
 
 
-def test_numbers_of_a_finger(done, place):
+def test_numbers_and_files_of_a_finger(done, place):
     found = done.get(PATH, params=place | {"thickness_mm": 8.0}).json()
     assert "8 mm of tissue" in found["source"]
     names = [target["name"] for target in found["targets"]]
@@ -27,9 +27,6 @@ def test_numbers_of_a_finger(done, place):
     assert "Finite elements" in names[-1]
     assert all(0 <= target["worst_relative_error"] < 1 for target in found["targets"])
     assert found["targets"][3]["area_factor"] is None
-
-
-def test_files_of_a_finger(done, place):
     answer = done.get(f"{PATH}/file", params=place | {"thickness_mm": 8.0})
     assert "_simulator.zip" in answer.headers["content-disposition"]
     archive = zipfile.ZipFile(io.BytesIO(answer.content))

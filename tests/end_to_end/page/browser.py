@@ -285,3 +285,11 @@ def unexplained(page: Page) -> list[str]:
           .filter((one) => !one.dataset.term || !(one.tabIndex === 0 || one.closest('button')))
           .map((one) => one.textContent)"""
     )
+
+
+def require_picture(page: Page) -> None:
+    """Wait until the picture of the newest state is there."""
+    page.wait_for_function(
+        """() => document.querySelector('.stage .picture').naturalWidth
+          && !document.querySelector('.stage.waiting')"""
+    )

@@ -5,12 +5,10 @@ import shutil
 import numpy as np
 import pytest
 from playwright.sync_api import Route, expect
-from tests.end_to_end.page.browser import Tab, middle, numbers, stroke, unexplained
+from tests.end_to_end.page.browser import Tab, middle, numbers, require_picture, stroke, unexplained
 
 from fingerpad.study.results.table import GLOSSARY
 
-PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
-  && !document.querySelector('.stage.waiting')"""
 # Of the example's pad, of which the photographs are rendered.
 TRUTH_MM = (7.9, 13.8, 11.8)
 
@@ -57,14 +55,14 @@ def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> 
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Ruler").click()
     page.get_by_label("Image", exact=True).select_option("photograph_palmar.jpg")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 100, y), (x + 100, y))
     page.get_by_label("Length of the line").fill("20")
     page.get_by_label("Length of the line").press("Enter")
     page.locator(".scale-bar").wait_for()
     page.get_by_label("Image", exact=True).select_option("contact_1N.png")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     expect(page.locator(".scale-bar")).to_be_hidden()
     page.get_by_role("radio", name="Coin").click()
     page.get_by_label("Diameter").fill("24")

@@ -9,8 +9,20 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
-from playwright.sync_api import expect
-from tests.end_to_end.page.browser import DEMO, Tab, box, drag, focus, middle, settle, stroke
+from playwright.sync_api import Locator, Page, expect
+from tests.end_to_end.page.browser import (
+    DEMO,
+    Tab,
+    box,
+    changed,
+    drag,
+    focus,
+    middle,
+    numbers,
+    require_picture,
+    settle,
+    stroke,
+)
 from tests.studies import PAD
 from tests.waiting import wait_until
 
@@ -19,8 +31,6 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_contact_image
 
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
-PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
-  && !document.querySelector('.stage.waiting')"""
 
 
 def begin(page, title: str = "Index finger") -> None:
@@ -29,8 +39,8 @@ def begin(page, title: str = "Index finger") -> None:
     page.get_by_role("heading", name=title).wait_for()
 
 
-def paste(page, label: str, words: str) -> None:
-    page.get_by_label(label).evaluate(
+def paste(field: Locator, words: str) -> None:
+    field.evaluate(
         """(input, words) => {
           const clipboardData = new DataTransfer();
           clipboardData.setData("text", words);
@@ -59,20 +69,20 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     photographs = [written_example / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
     page.set_input_files("input[type=file][multiple]", [*photographs, *CONTACTS])
     page.get_by_role("heading", name="6 new files").wait_for()
+    half, two, four = (page.get_by_label(f"Load of {path.name}, newtons") for path in CONTACTS)
     expect(page.get_by_label("Face on photograph_distal.jpg")).to_have_value("distal")
-    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("4")
-    expect(page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons")).to_have_value("0.5")
+    expect(four).to_have_value("4")
+    expect(half).to_have_value("0.5")
     page.get_by_label("Finger of all new files").fill("left_index")
-    paste(page, "Load of synthetic_30deg_0.5N.png, newtons", "0,5\n2\n4")
-    expect(page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons")).to_have_value("0.5")
-    paste(page, "Load of synthetic_30deg_2N.png, newtons", "1\n2\n3")
+    paste(half, "0,5\n2\n4")
+    expect(half).to_have_value("0.5")
+    paste(two, "1\n2\n3")
     page.get_by_text("3 values for 2 fields from here down: nothing was pasted.").wait_for()
-    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("4")
-    x, y = middle(page.get_by_label("Load of synthetic_30deg_4N.png, newtons"))
-    page.mouse.click(x, y)
+    expect(four).to_have_value("4")
+    page.mouse.click(*middle(four))
     page.keyboard.press("End")
     page.keyboard.type("0")  # into the field that was clicked
-    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("40")
+    expect(four).to_have_value("40")
     page.keyboard.press("Backspace")
     page.get_by_label("These files are synthetic (rendered or simulated)").check()
     page.get_by_role("button", name="Add to study").click()
@@ -126,16 +136,15 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     page = empty_tab.open()
     begin(page)
     wedge = page.get_by_label("Wedge angle ±")
-    expect(wedge).to_have_value("")
-    expect(wedge).to_have_attribute("placeholder", "3 assumed")
     expect(page.get_by_label("Load, relative ±")).to_have_value("0.01")
     manifest = empty_tab.folder / "index-finger" / "study.toml"
-    for entered, kept in [("0.5", True), ("", False)]:
+    for shown, entered in (("", "0.5"), ("0.5", "")):
+        expect(wedge).to_have_value(shown)
         wedge.fill(entered)
         with page.expect_response("**/api/studies/*/edits"):
             wedge.press("Enter")
         settle(page)
-        assert ("wedge_angle_deg_std" in manifest.read_text()) is kept
+        assert ("wedge_angle_deg_std" in manifest.read_text()) is bool(entered)
     expect(wedge).to_have_value("")
     expect(wedge).to_have_attribute("placeholder", "3 assumed")
 
@@ -151,19 +160,23 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     page.dispatch_event("#work", "drop", {"dataTransfer": data})
     page.get_by_role("heading", name="1 new file").wait_for()
     expect(page.locator(".new-files tbody b")).to_have_count(0)
-    files = sorted(p.name for p in empty_tab.folder.rglob("*.csv"))
-    assert len(files) == 1
-    assert all(
-        p.is_relative_to(empty_tab.folder / "index-finger" / "uploads")
-        for p in empty_tab.folder.rglob("*.csv")
-    )
+    (file,) = empty_tab.folder.rglob("*.csv")
+    assert file.parent == empty_tab.folder / "index-finger" / "uploads"
 
 
-def test_removed_file_is_restored_with_its_entries(tab: Tab, demo, tmp_path) -> None:
-    page = tab.open()
-    shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
-    page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
+def upload_print(page: Page, demo: Path, tmp_path: Path) -> Path:
+    """Upload print.png, of the finger synthetic_pad."""
+    file = Path(shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png"))
+    page.locator("input[type=file]").set_input_files([file])
     page.get_by_label("Finger on print.png").fill("synthetic_pad")
+    return file
+
+
+def test_removed_file_is_restored_with_its_entries_and_run_once_it_is_complete(
+    tab: Tab, demo, tmp_path
+) -> None:
+    page = tab.open()
+    file = upload_print(page, demo, tmp_path)
     page.get_by_role("button", name="Remove print.png").click()
     page.get_by_text("print.png was removed.").wait_for()
     page.locator(".new-files").wait_for(state="hidden")
@@ -171,20 +184,26 @@ def test_removed_file_is_restored_with_its_entries(tab: Tab, demo, tmp_path) -> 
     page.get_by_role("button", name="Undo").click()
     page.get_by_text("print.png was restored.").wait_for()
     expect(page.get_by_label("Finger on print.png")).to_have_value("synthetic_pad")
-    assert (demo / "uploads" / "print.png").read_bytes() == (tmp_path / "print.png").read_bytes()
-
-
-def test_wrong_value_is_refused_with_a_message(tab: Tab, demo) -> None:
-    tab.expected.append("422")
-    before = (demo / "study.toml").read_text()
-    page = tab.open()
-    page.get_by_label("Load of synthetic_30deg_2N", exact=True).fill("20000")
-    page.get_by_label("Load of synthetic_30deg_2N", exact=True).press("Enter")
-    refused = page.get_by_role("alert").filter(has_text="load_N")
-    expect(refused).to_contain_text("synthetic_30deg_2N: load_N")
-    expect(refused).to_contain_text("less than or equal to 10000, found '20000'")
-    expect(refused).not_to_contain_text("observations[")
-    assert (demo / "study.toml").read_text() == before
+    assert (demo / "uploads" / "print.png").read_bytes() == file.read_bytes()
+    wedge = page.get_by_label("Wedge angle of print.png, degrees")
+    wedge.fill("200")
+    page.get_by_role("button", name="Add to study").click()
+    assert wedge.evaluate("field => !field.validity.valid")
+    page.get_by_role("heading", name="1 new file").wait_for()  # not used
+    wedge.fill("30")
+    page.get_by_label("Scale of print.png").select_option("reader")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_role("heading", name="Missing").wait_for()
+    page.get_by_text("the load is missing").wait_for()
+    page.get_by_text("Not ready to run").wait_for()
+    assert 'file = "uploads/print.png"' in (demo / "study.toml").read_text()
+    tab.go("run")
+    page.get_by_text("The study is incomplete").wait_for()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
+    tab.go("study")
+    page.get_by_label("Load of print", exact=True).fill("1")
+    page.keyboard.press("Tab")
+    page.get_by_role("link", name="Run the study").wait_for()
 
 
 @pytest.mark.nightly
@@ -204,15 +223,26 @@ def test_apparatus_is_stated_for_the_methods_section(tab: Tab, demo) -> None:
     assert wait_until(kept, 20)
 
 
-def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
+def test_wrong_value_is_refused_and_a_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     tab.expected.append("422")
+    before = (demo / "study.toml").read_text()
     page = tab.open()
-    for name in ("synthetic_pad", "right_middle"):  # the first is another finger's
+    page.get_by_label("Load of synthetic_30deg_2N", exact=True).fill("20000")
+    page.get_by_label("Load of synthetic_30deg_2N", exact=True).press("Enter")
+    refused = page.get_by_role("alert").filter(has_text="load_N")
+    expect(refused).to_contain_text("synthetic_30deg_2N: load_N")
+    expect(refused).to_contain_text("less than or equal to 10000, found '20000'")
+    expect(refused).not_to_contain_text("observations[")
+    assert (demo / "study.toml").read_text() == before
+    renamed = page.get_by_role("button", name="Rename right_middle")
+    for name, answered in (
+        ("synthetic_pad", page.get_by_role("alert").filter(has_text="synthetic_pad")),  # another finger's
+        ("right_middle", renamed),
+    ):
         page.get_by_role("button", name="Rename left_index_ellipse").click()
         page.get_by_label("Name of the finger").fill(name)
         page.keyboard.press("Enter")
-        page.get_by_role("alert").or_(page.get_by_role("button", name="Rename right_middle")).wait_for()
-    page.get_by_role("button", name="Rename right_middle").wait_for()
+        answered.wait_for()
     names = {finger["name"] for finger in tomllib.loads((demo / "study.toml").read_text())["fingers"]}
     assert names == {"right_middle", "left_index_direct", "synthetic_pad"}
     rows = (demo / "observations.csv").read_text()
@@ -224,55 +254,30 @@ def test_thickness_is_stated_and_the_layer_shown_beside_hertz_theory(tab: Tab, d
     tab.expected.append("422")
     page = tab.open()
 
-    def state(thickness: str, std: str) -> dict:
+    def save(*words: str) -> None:
         page.get_by_role("button", name="Thickness of synthetic_pad").click()
-        page.get_by_label("Effective thickness").fill(thickness)
-        page.get_by_label("± (standard uncertainty)").fill(std)
+        for field, entered in zip(("Effective thickness", "± (standard uncertainty)"), words, strict=False):
+            page.get_by_label(field).fill(entered)
         page.get_by_role("button", name="Save").click()
-        page.get_by_role("dialog").wait_for(state="detached")
-        row = page.get_by_role("row", name="synthetic_pad").first
-        row.get_by_text(re.compile("8.0.±.1.5" if thickness == "8" else "Enter")).first.wait_for()
-        return tomllib.loads((demo / "study.toml").read_text())["fingers"][2]
 
-    finger = state("8", "1.5")
-    assert (finger["effective_thickness_mm"], finger["effective_thickness_mm_std"]) == (8, 1.5)
+    def stated(shown: str) -> dict:
+        page.get_by_role("dialog").wait_for(state="detached")
+        page.get_by_role("row", name="synthetic_pad").first.get_by_text(re.compile(shown)).first.wait_for()
+        finger = tomllib.loads((demo / "study.toml").read_text())["fingers"][2]
+        return {key: value for key, value in finger.items() if "thickness" in key}
+
+    save("8", "1.5")
+    assert stated("8.0.±.1.5") == {"effective_thickness_mm": 8, "effective_thickness_mm_std": 1.5}
     tab.go("contacts/images/synthetic_30deg_2N")
     page.get_by_role("heading", name=re.compile("Model, 8.0.±.1.5 mm of tissue over bone")).wait_for()
     text = page.locator("[data-live=layer]").inner_text()
     assert re.search(r"E\s+\d+\S*.±.\S+ kPa", text), text
     assert re.search(r"Rg\s+2\d\S*.±.\S+ mm", text), text
     tab.go("study")
-    page.get_by_role("button", name="Thickness of synthetic_pad").wait_for()
-    assert not {"effective_thickness_mm", "effective_thickness_mm_std"} & state("", "").keys()
-    page.get_by_role("button", name="Thickness of synthetic_pad").click()
-    page.get_by_label("Effective thickness").fill("800")
-    page.get_by_role("button", name="Save").click()
+    save("", "")
+    assert stated("Enter") == {}
+    save("800")
     page.get_by_role("alert").get_by_text("effective_thickness_mm").first.wait_for()
-
-
-def test_an_incomplete_entry_is_named_and_run_when_complete(tab: Tab, demo, tmp_path) -> None:
-    page = tab.open()
-    shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
-    page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
-    page.get_by_label("Finger on print.png").fill("synthetic_pad")
-    page.get_by_label("Wedge angle of print.png, degrees").fill("200")
-    page.get_by_role("button", name="Add to study").click()
-    assert page.get_by_label("Wedge angle of print.png, degrees").evaluate("field => !field.validity.valid")
-    page.get_by_role("heading", name="1 new file").wait_for()  # not used
-    page.get_by_label("Wedge angle of print.png, degrees").fill("30")
-    page.get_by_label("Scale of print.png").select_option("reader")
-    page.get_by_role("button", name="Add to study").click()
-    page.get_by_role("heading", name="Missing").wait_for()
-    page.get_by_text("the load is missing").wait_for()
-    page.get_by_text("Not ready to run").wait_for()
-    assert 'file = "uploads/print.png"' in (demo / "study.toml").read_text()
-    tab.go("run")
-    page.get_by_text("The study is incomplete").wait_for()
-    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
-    tab.go("study")
-    page.get_by_label("Load of print", exact=True).fill("1")
-    page.keyboard.press("Tab")
-    page.get_by_role("link", name="Run the study").wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
@@ -280,20 +285,16 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Ruler").click()
     page.get_by_label("Image", exact=True).select_option("synthetic/photograph_palmar.jpg")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 150, y), (x + 150, y))
     page.get_by_text("Enter the length of the line.").wait_for()
     page.get_by_label("Length of the line").fill("20")
     page.get_by_label("Length of the line").press("Enter")
-    scale = page.locator("[data-live=scale]")
-    scale.wait_for()
-    first = scale.inner_text()
+    first = numbers(page, "scale")
     assert "±" in first
     focus(page, "End of the line").press("Shift+ArrowRight")
-    page.wait_for_function(
-        "before => document.querySelector('[data-live=scale]').innerText !== before", arg=first
-    )
+    changed(page, first, "scale")
     drag(page, page.get_by_role("button", name="End of the line"), -40, 0)
     page.get_by_label("Name", exact=True).fill("ruler")
     page.keyboard.press("Tab")
@@ -309,26 +310,20 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
 def test_line_drawn_with_keys_alone(tab: Tab) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").press("Enter")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     page.get_by_label("Name", exact=True).fill("card")
     page.get_by_role("button", name="Save scale").click()
     page.get_by_role("alert").get_by_text("Draw a line on the ruler.").wait_for()
     page.locator(".stage").focus()
-    page.keyboard.press("Space")
-    for _ in range(6):
-        page.keyboard.press("Shift+ArrowRight")
-    page.keyboard.press("Space")
+    for key in ("Space", *["Shift+ArrowRight"] * 6, "Space"):
+        page.keyboard.press(key)
     page.get_by_label("Line along").select_option("a bank card's long side, 85.60 mm")
-    scale = page.locator("[data-live=scale]")
-    scale.wait_for()
+    card = numbers(page, "scale")
     expect(page.get_by_label("Length of the line")).to_have_value("85.6")
-    card = float(scale.inner_text().split()[0])
     page.get_by_label("Length of the line").fill("10")
     page.keyboard.press("Enter")
-    page.wait_for_function(
-        "half => parseFloat(document.querySelector('[data-live=scale]').innerText) < half", arg=card / 2
-    )
-    assert float(scale.inner_text().split()[0]) == pytest.approx(card * 10 / 85.6, rel=0.01)
+    ten = changed(page, card, "scale")
+    assert float(ten.split()[0]) == pytest.approx(float(card.split()[0]) * 10 / 85.6, rel=0.01)
 
 
 def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
@@ -341,9 +336,7 @@ def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
     page.get_by_role("heading", name="Stopped. Finished measurements are kept").wait_for()
     page.get_by_label("Re-measure all").check()
     run.press("Enter")
-    page.wait_for_function(
-        "() => /[.](png|jpg|tif)/.test(document.querySelector('[data-live=file]')?.innerText ?? '')"
-    )
+    expect(page.locator("[data-live=file]")).to_have_text(re.compile(r"\.(png|jpg|tif)"))
 
 
 def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> None:

@@ -22,6 +22,7 @@ from tests.end_to_end.page.browser import (
     served,
     settle,
 )
+from tests.studies import finger, sequence, write_numbers, write_study
 
 # Each step, and what stands there once it is drawn.
 STEPS = {
@@ -65,22 +66,6 @@ SCROLL = """async () => {
   return most;
 }"""
 
-LONG = """
-title = "Long"
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[sequences]]
-name = "long"
-finger = "f"
-wedge_angle_deg = 30
-file = "frames"
-scale = { ppi = 500 }
-force = "force.csv"
-frames_per_second = 500
-"""
-
 
 @pytest.mark.nightly
 def test_pages_are_accessible(browser, run_demo) -> None:
@@ -108,21 +93,35 @@ def test_pages_are_accessible(browser, run_demo) -> None:
     assert {view: what for view, what in found.items() if what} == {}
 
 
-def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo) -> None:
-    tab.expected.append("409")
-    one = tab.open(f"contacts/images/{PRINT}")
-    two = tab.context.new_page()
+def two_windows(tab: Tab) -> tuple[Page, Page]:
+    """Open the same contact image in two windows."""
+    one, two = tab.open(f"contacts/images/{PRINT}"), tab.context.new_page()
     two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
-    numbers(one)
+    for page in (one, two):
+        numbers(page)
+    return one, two
+
+
+def enter_threshold(page: Page) -> None:
+    page.get_by_label("Threshold, grey levels").fill("70")
+    page.get_by_label("Threshold, grey levels").press("Enter")
+
+
+def require_both_kept(page: Page, demo) -> None:
+    expect(page.locator(".history li")).to_have_count(2)
+    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
+    assert set(last["change"]) == {"ellipse_px", "threshold"}
+
+
+def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, demo) -> None:
+    tab.expected.append("409")
+    one, two = two_windows(tab)
     before = numbers(two)
     drag(two, two.get_by_role("button", name="End of the semi-major axis", exact=True), -20, 0)
     changed(two, before)
-    one.wait_for_function("() => document.querySelectorAll('.history li').length === 1")
-    one.get_by_label("Threshold, grey levels").fill("70")
-    one.get_by_label("Threshold, grey levels").press("Enter")
-    two.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
-    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
-    assert set(last["change"]) == {"ellipse_px", "threshold"}
+    expect(one.locator(".history li")).to_have_count(1)
+    enter_threshold(one)
+    require_both_kept(two, demo)
 
 
 @pytest.mark.nightly
@@ -177,47 +176,35 @@ def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> 
 
 @pytest.mark.nightly
 def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
-    one = tab.open(f"contacts/images/{PRINT}")
-    two = tab.context.new_page()
-    two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
-    numbers(two)
+    one, two = two_windows(tab)
     before = numbers(one)
-    x, y = middle(one.get_by_role("button", name="End of the semi-major axis", exact=True))
+    held = one.get_by_role("button", name="End of the semi-major axis", exact=True)
+    x, y = middle(held)
     one.mouse.move(x, y)
     one.mouse.down()
     one.mouse.move(x - 25, y, steps=5)
     moving(one, before)
     with one.expect_response("**/api/studies/*/corrections?*"):
-        two.get_by_label("Threshold, grey levels").fill("70")
-        two.get_by_label("Threshold, grey levels").press("Enter")
+        enter_threshold(two)
     one.wait_for_timeout(1000)  # in which a measurement under their correction would move it
-    held = one.get_by_role("button", name="End of the semi-major axis", exact=True)
     assert middle(held)[0] == pytest.approx(x - 25, abs=2)
     lift(one)
     numbers(one)
-    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
-    assert set(last["change"]) == {"ellipse_px", "threshold"}
+    require_both_kept(one, demo)
 
 
 @pytest.mark.nightly
 def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None:
-    tab.expected.append("409")
+    tab.expected += ["409", "ERR_FAILED"]
     tab.context.route("**/api/studies/*/events", lambda route: route.abort())
-    tab.expected.append("ERR_FAILED")
-    one = tab.open(f"contacts/images/{PRINT}")
-    two = tab.context.new_page()
-    two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
-    numbers(one)
+    one, two = two_windows(tab)
     before = numbers(two)
     focus(two, "End of the semi-major axis").press("Shift+ArrowRight")
     changed(two, before)
-    one.get_by_label("Threshold, grey levels").fill("70")
-    one.get_by_label("Threshold, grey levels").press("Enter")
+    enter_threshold(one)
     one.get_by_role("dialog", name="Another window corrected this image").wait_for()
     one.get_by_role("button", name="Apply mine as well").click()
-    one.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
-    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
-    assert set(last["change"]) == {"ellipse_px", "threshold"}
+    require_both_kept(one, demo)
 
 
 @pytest.mark.nightly
@@ -228,13 +215,12 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     frame.save(study / "frames" / "f0000.png")
     for number in range(1, 2000):
         (study / "frames" / f"f{number:04d}.png").hardlink_to(study / "frames" / "f0000.png")
-    times = "\n".join(f"{number / 500},{number / 2000}" for number in range(2000))
-    (study / "force.csv").write_text(f"time_s,force_N\n{times}\n")
-    (study / "study.toml").write_text(LONG)
+    write_numbers(study / "force.csv", "time_s,force_N", [(k / 500, k / 2000) for k in range(2000)])
+    timed = {"force": "force.csv", "frames_per_second": 500, "scale": {"ppi": 500}}
+    write_study(study, finger(), sequence("long", "frames", **timed))
     with served(tmp_path, study) as server:
         tab = Tab(browser, server)
-        page = tab.open()
-        tab.go("contacts/sequence:long")
+        page = tab.open("contacts/sequence:long")
         page.locator(".filmstrip .cell").first.wait_for()
         expect(page.locator(".track")).to_have_css("width", "200000px")
         most = page.evaluate(SCROLL)
@@ -261,33 +247,21 @@ def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
     expect(page.get_by_role("heading", name="Kept since")).to_be_visible()
 
 
-def first_edit_on_its_way(tab: Tab) -> tuple[Page, Late]:
-    """Type an uncertainty and go to the next, while the answer to the first is held back."""
+def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     page = tab.open("study")
-    late = Late(page, "**/api/studies/*/edits")
+    late = Late(page, "**/api/studies/*/edits")  # the answer to the first entry is held back
     page.get_by_label("Wedge angle ±").fill("0.6")
     page.keyboard.press("Tab")
-    return page, late
-
-
-def require_three_uncertainties(demo) -> None:
-    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
-    assert said == {"wedge_angle_deg_std": 0.6, "roll_angle_deg_std": 0.25, "load_relative_std": 0.02}
-
-
-def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
-    page, late = first_edit_on_its_way(tab)
     page.keyboard.type("0.")
     late.let_go()
     page.keyboard.type("25")
     expect(page.get_by_label("Roll angle ±")).to_have_value("0.25")
-    with page.expect_response("**/api/studies/*/edits"):
-        page.keyboard.press("Tab")
-    settle(page)
-    page.keyboard.type("0.02")
-    with page.expect_response("**/api/studies/*/edits"):
-        page.keyboard.press("Enter")
-    settle(page)
+    for key, typed in (("Tab", "0.02"), ("Enter", "")):
+        with page.expect_response("**/api/studies/*/edits"):
+            page.keyboard.press(key)
+        settle(page)
+        page.keyboard.type(typed)
     expect(page.get_by_label("Load, relative ±")).to_have_value("0.02")
     expect(page.get_by_label("Load, relative ±")).to_be_focused()
-    require_three_uncertainties(demo)
+    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
+    assert said == {"wedge_angle_deg_std": 0.6, "roll_angle_deg_std": 0.25, "load_relative_std": 0.02}

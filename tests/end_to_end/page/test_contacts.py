@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 from tests.end_to_end.page.browser import (
     Late,
     Tab,
@@ -20,6 +20,7 @@ from tests.end_to_end.page.browser import (
 )
 
 PRINT = "synthetic_30deg_2N"
+PRESS = "contacts/sequence:synthetic_press_30deg"
 
 
 def corrections(folder) -> list[dict]:
@@ -31,9 +32,31 @@ def value(text: str, unit: str) -> float:
     return float(re.search(rf"([\d.]+) ± [\d.]+ {unit}", text).group(1))
 
 
-def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, demo) -> None:
+def encircle(page: Page, across: float, down: float) -> None:
+    """Draw an ellipse around the middle of the picture."""
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x + across, y)
+    page.mouse.down()
+    for turn in np.linspace(0.1, 2 * np.pi, 40):
+        page.mouse.move(x + across * np.cos(turn), y + down * np.sin(turn))
+    lift(page)
+
+
+def enter_threshold(page: Page, level: str) -> None:
+    page.get_by_label("Threshold, grey levels").fill(level)
+    page.get_by_label("Threshold, grey levels").press("Enter")
+
+
+def test_handles_by_pointer_and_by_keyboard_give_numbers_beside_the_automatic_ones(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
+    page.get_by_text("Brightness and contrast, for looking only").click()
+    page.get_by_role("slider", name="Contrast").fill("250")
+    expect(page.locator(".stage .picture")).to_have_attribute("style", re.compile(r"contrast\(250%\)"))
+    assert numbers(page) == before
+    assert corrections(demo) == []
+    page.get_by_role("button", name="Reset", exact=True).click()
+    expect(page.locator(".stage .picture")).not_to_have_attribute("style", re.compile("contrast"))
     drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
     after = changed(page, before)
     assert value(after, "mm²") > value(before, "mm²") * 1.03
@@ -47,56 +70,50 @@ def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, de
     assert numbers(page) == before
     page.keyboard.press("r")
     assert numbers(page) == after
-
-
-def test_keyboard_moves_a_handle_and_accepts(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
+    saved = corrections(demo)
+    page.keyboard.press("ArrowRight")  # after a drag it goes to the next image
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_url(re.compile(PRINT))
+    assert corrections(demo) == saved
+    after = numbers(page)
     handle = focus(page, "End of the semi-minor axis")
     for _ in range(3):
         handle.press("Shift+ArrowRight")
-    changed(page, before)
+    changed(page, after)
     page.keyboard.press("Enter")
     page.wait_for_url(re.compile("synthetic_30deg_4N"))
-    assert corrections(demo)[-1]["change"]["accepted"] is True
-    assert corrections(demo)[-1]["item"] == PRINT
+    accepted = corrections(demo)[-1]
+    assert (accepted["item"], accepted["change"]["accepted"]) == (PRINT, True)
     page.keyboard.press("ArrowLeft")
     page.get_by_text("accepted", exact=True).wait_for()
 
 
-def test_brush_by_pointer_removes_and_adds_region(tab: Tab, demo) -> None:
+def test_brush_and_lasso_by_pointer_change_the_region(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     page.keyboard.press("e")
     page.keyboard.press("]")
-    x, y = middle(page.get_by_role("button", name="Centre of the ellipse").or_(page.locator(".stage")).first)
+    x, y = middle(page.locator(".stage"))
     stroke(page, (x + 180, y - 150), (x + 180, y + 150))
     less = changed(page, before)
     assert value(less, "mm²") < value(before, "mm²") * 0.99
     page.keyboard.press("b")
     stroke(page, (x + 180, y - 150), (x + 180, y + 150))
-    assert value(changed(page, less), "mm²") > value(less, "mm²")
+    more = changed(page, less)
+    assert value(more, "mm²") > value(less, "mm²")
     assert [stroke["action"] for stroke in corrections(demo)[-1]["change"]["strokes"]] == ["remove", "add"]
-
-
-def test_lasso_by_pointer_replaces_the_region_and_is_undone(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
     page.keyboard.press("l")
-    x, y = middle(page.locator(".stage"))
-    page.mouse.move(x + 90, y)
-    page.mouse.down()
-    for turn in np.linspace(0.1, 2 * np.pi, 40):
-        page.mouse.move(x + 90 * np.cos(turn), y + 60 * np.sin(turn))
-    lift(page)
-    inside = changed(page, before)
-    (area,) = corrections(demo)[-1]["change"]["strokes"]
+    encircle(page, 90, 60)
+    inside = changed(page, more)
+    area = corrections(demo)[-1]["change"]["strokes"][-1]
     assert (area["action"], "radius_px" in area) == ("replace", False)
     rows, columns = np.array(area["points_px"]).T
     drawn = abs(np.sum(rows * np.roll(columns, 1) - columns * np.roll(rows, 1))) / 2 * 0.0508**2
     assert value(inside, "mm²") == pytest.approx(drawn, rel=0.01)
-    page.keyboard.press("u")
-    assert numbers(page) == before
+    for earlier in (more, less, before):
+        page.keyboard.press("u")
+        assert numbers(page) == earlier
 
 
 @pytest.mark.nightly
@@ -105,14 +122,12 @@ def test_polygon_by_keyboard(tab: Tab, demo) -> None:
     before = numbers(page)
     page.keyboard.press("g")
     page.get_by_role("radio", name="Remove", exact=True).click()
-    for keys in (("ArrowUp", 12), ("ArrowRight", 12), ("ArrowDown", 24)):
+    for key, count in (("ArrowUp", 12), ("ArrowRight", 12), ("ArrowDown", 24)):
         page.keyboard.press("Space")
-        for _ in range(keys[1]):
-            page.keyboard.press(f"Shift+{keys[0]}")
-    page.keyboard.press("Space")
-    page.keyboard.press("Backspace")
-    page.keyboard.press("Space")
-    page.keyboard.press("Enter")  # closes the polygon, and accepts nothing
+        for _ in range(count):
+            page.keyboard.press(f"Shift+{key}")
+    for key in ("Space", "Backspace", "Space", "Enter"):  # closes the polygon, and accepts nothing
+        page.keyboard.press(key)
     less = changed(page, before)
     assert value(less, "mm²") < 0.95 * value(before, "mm²")
     change = corrections(demo)[-1]["change"]
@@ -130,17 +145,14 @@ def test_threshold_slides_on_the_histogram_with_the_outline(tab: Tab, demo) -> N
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 60, y, steps=3)
-    page.wait_for_function(
-        "old => document.querySelector('path.region').getAttribute('d') !== old", arg=outline
-    )
+    expect(page.locator("path.region")).not_to_have_attribute("d", outline)
     assert corrections(demo) == []  # nothing is kept while it moves
     lift(page)
     less = changed(page, before)
     assert value(less, "mm²") < value(before, "mm²")
     (record,) = corrections(demo)
     assert record["change"].keys() == {"threshold"}
-    slider = page.get_by_role("slider", name="Threshold")
-    slider.press("ArrowLeft")
+    page.get_by_role("slider", name="Threshold").press("ArrowLeft")
     changed(page, less)
     assert corrections(demo)[-1]["change"]["threshold"] < record["change"]["threshold"]
     page.keyboard.press("u")
@@ -151,8 +163,7 @@ def test_threshold_slides_on_the_histogram_with_the_outline(tab: Tab, demo) -> N
 def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
-    page.get_by_label("Threshold, grey levels").fill("60")
-    page.get_by_label("Threshold, grey levels").press("Enter")
+    enter_threshold(page, "60")
     changed(page, before)
     page.get_by_role("button", name="Apply to similar images").click()
     dialog = page.get_by_role("dialog", name="Apply to similar images")
@@ -165,10 +176,8 @@ def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> 
     cards.nth(1).get_by_role("button", name="Leave").click()
     dialog.get_by_text(f"2 of {len(names)} reviewed").wait_for()
     dialog.get_by_role("button", name="Close").click()
-    kept = [record for record in corrections(demo) if record["item"] != PRINT]
-    assert [(record["item"], record["change"]) for record in kept] == [
-        (names[0], {"threshold": 60.0, "accepted": True})
-    ]
+    (kept,) = [record for record in corrections(demo) if record["item"] != PRINT]
+    assert (kept["item"], kept["change"]) == (names[0], {"threshold": 60.0, "accepted": True})
 
 
 def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
@@ -183,39 +192,20 @@ def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
     expect(page.get_by_label("Show the automatic outline")).to_have_count(0)
     page.keyboard.press("Enter")  # nothing to accept yet
     page.get_by_text("Outline the contact first").wait_for()
-    x, y = middle(page.locator(".stage"))
-    page.mouse.move(x + 200, y)
-    page.mouse.down()
-    for turn in np.linspace(0.1, 2 * np.pi, 40):
-        page.mouse.move(x + 200 * np.cos(turn), y + 190 * np.sin(turn))
-    lift(page)
-    mine = numbers(page)
-    assert value(mine, "mm²") != value(first, "mm²")
+    encircle(page, 200, 190)
+    assert value(numbers(page), "mm²") != value(first, "mm²")
     expect(page.locator("[data-part=numbers]")).not_to_contain_text("automatic")
     page.keyboard.press("Enter")
     page.get_by_text("This was the last image").wait_for()
-    (line,) = (demo / "second_operator.jsonl").read_text().splitlines()[-1:]
-    assert (json.loads(line)["who"], json.loads(line)["change"]["accepted"]) == ("bob", True)
+    line = json.loads((demo / "second_operator.jsonl").read_text().splitlines()[-1])
+    assert (line["who"], line["change"]["accepted"]) == ("bob", True)
     assert [record["who"] for record in corrections(demo)] != ["bob"]
-
-
-def test_brightness_changes_what_is_seen_and_nothing_else(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
-    page.get_by_text("Brightness and contrast, for looking only").click()
-    page.get_by_role("slider", name="Contrast").fill("250")
-    expect(page.locator(".stage .picture")).to_have_attribute("style", re.compile(r"contrast\(250%\)"))
-    assert numbers(page) == before
-    assert corrections(demo) == []
-    page.get_by_role("button", name="Reset", exact=True).click()
-    expect(page.locator(".stage .picture")).not_to_have_attribute("style", re.compile("contrast"))
 
 
 def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
-    page.get_by_label("Threshold, grey levels").fill("60")
-    page.get_by_label("Threshold, grey levels").press("Enter")
+    enter_threshold(page, "60")
     thinner = changed(page, before)
     page.locator("h1").click()
     page.keyboard.press("s")
@@ -241,7 +231,8 @@ def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
     numbers(page)
     page.locator("h1").click()
     page.keyboard.press("x")
-    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    page.get_by_role("heading", name="synthetic_30deg_4N").wait_for()
+    numbers(page)
     # A key that comes before the corrections undoes the rejection they tell of.
     late = Late(page, "**/api/studies/*/corrections?*", lambda asked: PRINT in asked.url)
     page.keyboard.press("ArrowLeft")
@@ -263,7 +254,7 @@ def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
 
 
 def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> None:
-    page = tab.open("contacts/sequence:synthetic_press_30deg/synthetic_press_30deg%234")
+    page = tab.open(f"{PRESS}/synthetic_press_30deg%234")
     program = numbers(page)
     grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
     first = grown.get_attribute("d")
@@ -275,38 +266,32 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
         numbers(page)
     expect(grown).to_have_attribute("d", re.compile(f"{first}."))
     focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
-    page.get_by_role("checkbox", name="Key frame").check()
+    key = page.get_by_role("checkbox", name="Key frame")
+    key.check()
     page.locator(".cell[data-index='6'] .dot[data-kind='interpolated']").wait_for()
     page.keyboard.press(",")
     page.get_by_text("the ellipse is interpolated between two key frames").wait_for()
-    between = numbers(page)
+    assert numbers(page) != program
     assert page.url.endswith("%237")
-    assert program != between
-    assert [record["item"][-1] for record in corrections(demo) if record["change"].get("key_frame")] == [
-        "4",
-        "8",
-    ]
-    expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
-
-
-def test_a_key_frame_that_was_not_waited_for_leaves_the_next_frame_none(tab: Tab, demo) -> None:
-    page = tab.open("contacts/sequence:synthetic_press_30deg/synthetic_press_30deg%235")
-    numbers(page)
+    marked = [record["item"] for record in corrections(demo) if record["change"].get("key_frame")]
+    assert [item[-2:] for item in marked] == ["#4", "#8"]
+    expect(key).not_to_be_checked()
+    # One that was not waited for is none of the next frame.
     late = Late(page, "**/api/studies/*/measure/contact*")
-    page.get_by_role("checkbox", name="Key frame").check()
+    key.check()
     late.wait()
     page.locator("h1").click()
-    page.keyboard.press(".")
+    page.keyboard.press(",")
     page.wait_for_url(re.compile("%236$"))
     numbers(page)
-    expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
+    expect(key).not_to_be_checked()
 
 
-def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
-    page = tab.open("contacts/sequence:synthetic_press_30deg")
+def test_sequence_is_scrubbed_and_aligned(tab: Tab, demo) -> None:
+    page = tab.open(PRESS)
     numbers(page)
     trace = page.get_by_role("slider", name="Time of the frame")
-    page.wait_for_function("() => document.querySelector('[role=slider]').getAttribute('aria-valuetext')")
+    expect(trace).to_have_attribute("aria-valuetext", re.compile("."))
     x, y = middle(trace)
     stroke(page, (x - 100, y), (x, y))
     page.wait_for_url(re.compile(r"%23\d+$"))
@@ -325,27 +310,23 @@ def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
 
 @pytest.mark.nightly
 def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
-    page = tab.open("contacts/sequence:synthetic_press_30deg")
+    page = tab.open(PRESS)
     numbers(page)
     hold = page.get_by_role("slider", name="Start of hold")
     found = float(hold.get_attribute("aria-valuenow"))
-    log = demo / "corrections.jsonl"
     drag(page, hold, 40, 0)
     page.get_by_text("Phases set manually by").wait_for()
     moved = float(hold.get_attribute("aria-valuenow"))
     assert moved > found + 0.05
-    record = json.loads(log.read_text().splitlines()[-1])
-    assert (record["item"], record["change"]["phases"]["why"]) == (
-        "synthetic_press_30deg#phases",
-        "no reason given",
-    )
-    assert {one["phase"]: one["start_s"] for one in record["change"]["phases"]["starts"]}["hold"] == moved
+    record = corrections(demo)[-1]
+    phases = record["change"]["phases"]
+    assert (record["item"], phases["why"]) == ("synthetic_press_30deg#phases", "no reason given")
+    assert {one["phase"]: one["start_s"] for one in phases["starts"]}["hold"] == moved
     # By keys, no further than the next limit, while the answer to the move before is still to come.
     late = Late(page, "**/api/studies/*/corrections", lambda asked: asked.method == "POST")
     hold.focus()
-    hold.press("ArrowLeft")
-    hold.press("ArrowLeft")
-    hold.press("Tab")
+    for key in ("ArrowLeft", "ArrowLeft", "Tab"):
+        hold.press(key)
     late.wait()
     earlier = float(hold.get_attribute("aria-valuenow"))
     assert moved - 0.15 < earlier < moved
@@ -359,9 +340,10 @@ def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     reason = page.get_by_label("Reason of the phases")
     reason.fill("the pad slipped")
     reason.press("Enter")
-    page.wait_for_function("() => document.activeElement.value === 'the pad slipped'")
-    page.get_by_role("button", name="Undo the change of phases").click()
-    page.get_by_role("button", name="Undo the change of phases").click()
+    expect(reason).to_have_value("the pad slipped")
+    expect(reason).to_be_focused()
+    for _ in range(2):
+        page.get_by_role("button", name="Undo the change of phases").click()
     expect(hold).to_have_attribute("aria-valuenow", str(earlier))
     # What was done, and can be undone and redone, outlives the page.
     page.reload()

@@ -1,6 +1,7 @@
 """The first quarter of an hour with a study: what is typed is taken, and what is shown can be followed."""
 
 import re
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 from tests.end_to_end.page.browser import Tab, box, drag, middle, numbers
+from tests.studies import append_tables, contact, finger, picture
 
 SEQUENCE = "contacts/sequence:synthetic_press_30deg"
 
@@ -16,20 +18,14 @@ def manifest(folder: Path) -> dict:
     return tomllib.loads((folder / "study.toml").read_text())
 
 
-def extend(folder: Path, words: str) -> None:
-    file = folder / "study.toml"
-    file.write_text(f"{file.read_text()}\n{words}")
-
-
 def test_fingers_and_scales_are_typed_once(example_tab: Tab, example, tmp_path) -> None:
     page = example_tab.open()
     for name in ("one.png", "two.png"):
         Image.open(example / "contact_1N.png").save(tmp_path / name)
     page.locator("input[type=file]").first.set_input_files([tmp_path / "one.png", tmp_path / "two.png"])
     page.get_by_label("Finger on two.png").wait_for()
-    finger = page.get_by_label("Finger of all new files")
-    finger.fill("right  thumb")
-    finger.press("Tab")
+    page.get_by_label("Finger of all new files").fill("right  thumb")
+    page.keyboard.press("Tab")
     expect(page.get_by_label("Finger on two.png")).to_have_value("right_thumb")
     scale = page.get_by_label("Scale of all new contact images")
     scale.fill("500")
@@ -81,19 +77,6 @@ def test_full_widths_in_place_of_semi_axes_are_doubted_where_they_are_entered_an
     page.get_by_text(words).first.wait_for()
 
 
-def test_results_begin_with_area_against_load_also_of_given_ellipses(tab: Tab) -> None:
-    page = tab.open("results")
-    expect(page.get_by_label("Against load", exact=True)).to_have_value("gross_area_mm2")
-    given = page.get_by_role("region", name="left_index_ellipse, wedge 30°").locator(".chart")
-    given.locator(".scatterlayer .point").first.wait_for()
-    assert (
-        given.get_attribute("aria-label")
-        == "Chart of contact area against load: 1 values from 116.2 to 116.2"
-    )
-    ticks = given.locator(".ytick text").all_text_contents()
-    assert ticks[0] == "0"
-
-
 @pytest.mark.nightly
 def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
     page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%236")
@@ -137,20 +120,10 @@ def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
 @pytest.fixture
 def two_fingers(example) -> Path:
     """The example with contacts of a second finger: some given, one with an image."""
-    axes = "{ palmar = 8, distal = 13, radial_ulnar = 9 }"
-    std = "{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }"
-    given = "".join(
-        f"[[observations]]\nname = 'given_{k}'\nfinger = 'thumb'\nwedge_angle_deg = 30\nload_N = {k + 1}\n"
-        "ellipse_mm = { semi_axes = [5, 4] }\n"
-        for k in range(15)
-    )
-    (example / "thumb.png").write_bytes((example / "contact_1N.png").read_bytes())
-    extend(
-        example,
-        f"[[fingers]]\nname = 'thumb'\nsemi_axes_mm = {axes}\nsemi_axes_mm_std = {std}\n{given}"
-        "[[observations]]\nname = 'image_1N'\nfinger = 'thumb'\nwedge_angle_deg = 30\nload_N = 1\n"
-        "file = 'thumb.png'\nscale = 'reader'\n",
-    )
+    shutil.copy(example / "contact_1N.png", example / "thumb.png")
+    given = (contact(f"given_{k}", k + 1, (5, 4), finger="thumb") for k in range(15))
+    image = picture("image_1N", "thumb.png", 1, finger="thumb", scale="reader")
+    append_tables(example, finger("thumb"), *given, image)
     return example
 
 

@@ -5,10 +5,7 @@ import tomllib
 
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, numbers
-
-PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
-  && !document.querySelector('.stage.waiting')"""
+from tests.end_to_end.page.browser import Tab, numbers, require_picture
 
 
 def without(example, pattern: str) -> None:
@@ -28,7 +25,7 @@ def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, ex
     without(example, r'face = "palmar", ')
     example_tab.expected.append("422")
     page = example_tab.open("photographs")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     side = page.locator(".inspector")
     side.get_by_role("alert").get_by_text("state which face").wait_for()
     expect(page.get_by_role("alert")).to_have_count(1)
@@ -39,7 +36,7 @@ def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, ex
     page.keyboard.press("ArrowRight")
     numbers(page, "face")
     example_tab.go("contacts")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     assert "Gross area" in numbers(page)
     example_tab.go("photographs")
     side.get_by_label(re.compile("which face it shows is missing")).select_option("palmar")
@@ -58,7 +55,7 @@ def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, 
     without(example, r'scale = "reader"\n(?=\n\[\[observations\]\]\nname = "contact_1N")')
     example_tab.expected.append("422")
     page = example_tab.open("contacts/images/contact_1N")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     side = page.locator(".inspector")
     assert "Gross area" in numbers(page)
     side.get_by_text("the load is missing").wait_for()
@@ -67,7 +64,7 @@ def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, 
     side.get_by_text("the load is missing").wait_for(state="detached")
     assert stated(example)["observations"][1]["load_N"] == 1
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function(PICTURE_THERE)
+    require_picture(page)
     side.get_by_role("alert").get_by_text("state the scale").wait_for()
     expect(page.locator(".scale-bar")).to_be_hidden()  # not that of the picture before
     # A correction is kept before the entry is complete.

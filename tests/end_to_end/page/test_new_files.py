@@ -22,15 +22,14 @@ LOOKED = re.compile("was read from its content")
 def plain_names(written_example, tmp_path):
     """Two faces, three contact images and a coin, under the names of a camera."""
     faces = [written_example / f"photograph_{face}.jpg" for face in ("palmar", "radial")]
-    paths = [*faces, *CONTACTS]
-    named = [
+    paths = [
         Path(shutil.copy(path, tmp_path / f"IMG_{number:04}{path.suffix}"))
-        for number, path in enumerate(paths, 31)
+        for number, path in enumerate([*faces, *CONTACTS], 31)
     ]
     # 23.25 mm, at the scale of the photographs, 0.1 mm per pixel.
     coin = render_coin(radius=116.25, shape=(320, 320), seed=3).pixels
     Image.fromarray(coin).save(tmp_path / "IMG_0036.png")
-    return [*named, tmp_path / "IMG_0036.png"]
+    return [*paths, tmp_path / "IMG_0036.png"]
 
 
 def drop(page, files) -> None:
@@ -40,36 +39,6 @@ def drop(page, files) -> None:
 
 def manifest_of(tab: Tab) -> dict:
     return tomllib.loads((tab.folder / "index-finger" / "study.toml").read_text())
-
-
-@pytest.mark.nightly
-def test_files_of_a_camera_become_a_plot(empty_tab: Tab, plain_names) -> None:
-    """Twelve actions from the title to the plot, and no step but the first is opened."""
-    page = empty_tab.open()
-    begin(page)  # 1: the title and Enter
-    drop(page, plain_names)  # 2
-    kinds = [page.get_by_label(f"Type of {path.name}").input_value() for path in plain_names]
-    assert kinds == ["photograph"] * 2 + ["observation"] * 3 + ["coin"]
-    expect(page.get_by_label("Face on IMG_0031.jpg")).to_have_value("palmar")
-    expect(page.get_by_label("Face on IMG_0032.jpg")).to_have_value("radial")
-    page.get_by_label("Finger of all new files").fill("left_index")  # 3
-    page.get_by_label("Wedge angle of all new files, degrees").fill("30")  # 4
-    paste(page, "Load of IMG_0033.png, newtons", "Load\n500 mN\n2 N\n4")  # 5
-    page.get_by_label("Coin on IMG_0036.png", exact=True).select_option("1 euro, 23.25 mm")  # 6
-    page.get_by_label("Scale of all new contact images").fill("500 ppi")  # 7
-    page.keyboard.press("Tab")
-    page.get_by_role("button", name="Add to study").click()  # 8
-    page.get_by_text("6 files added.").wait_for()  # nothing was doubtful, so nothing was asked
-    page.get_by_text("Nothing is missing.").wait_for()
-    page.get_by_role("link", name="Run the study").click()  # 9
-    page.get_by_role("link", name="See the results").click()  # 10
-    page.locator(".chart .scatterlayer .point").first.wait_for()
-    radius = float(page.locator(".main-fact dd").first.inner_text().split()[0])
-    assert radius == pytest.approx(13.61, abs=0.15)
-    written = manifest_of(empty_tab)
-    assert [one["load_N"] for one in written["observations"]] == [0.5, 2, 4]
-    assert {one["scale"] for one in written["fingers"][0]["photographs"]} == {"coin"}
-    assert written["scales"]["coin"]["diameter_mm"] == 23.25
 
 
 def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
@@ -130,6 +99,8 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     page.get_by_text("1 more file in the study folder, not used").wait_for()
     drop(page, plain_names)
     page.get_by_text("3 of 6 files found in the spreadsheet.").wait_for()
+    kinds = [page.get_by_label(f"Type of {path.name}").input_value() for path in plain_names]
+    assert kinds == ["photograph"] * 2 + ["observation"] * 3 + ["coin"]
     page.get_by_text("Not used: Mood.").wait_for()
     page.get_by_text("Rows without one file: IMG_0099 (line 5).").wait_for()
     page.get_by_text("Files without a row: IMG_0032.jpg, IMG_0035.png, IMG_0036.png.").wait_for()
@@ -139,9 +110,11 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     expect(page.get_by_label("Finger on IMG_0035.png")).to_have_value("S8_right_index")
     page.get_by_label("Wedge angle of IMG_0035.png, degrees").fill("0")
     page.get_by_label("Load of IMG_0035.png, newtons").fill("4")
+    page.get_by_label("Coin on IMG_0036.png", exact=True).select_option("1 euro, 23.25 mm")
     page.get_by_role("button", name="Add to study").click()
-    page.get_by_text("5 files added.").wait_for()
+    page.get_by_text("6 files added.").wait_for()
     written = manifest_of(empty_tab)
+    assert written["scales"]["coin"]["diameter_mm"] == 23.25
     assert [(one["finger"], one.get("load_N")) for one in written["observations"]] == [
         ("S7_left_index", 0.5),
         ("S8_right_index", 2),
@@ -180,7 +153,7 @@ def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
     page = empty_tab.open()
     begin(page)
     drop(page, plain_names)
-    paste(page, "Finger on IMG_0031.jpg", "file\tload\nIMG_0033\t1,5\nIMG_0034\t500mN")
+    paste(page.get_by_label("Finger on IMG_0031.jpg"), "file\tload\nIMG_0033\t1,5\nIMG_0034\t500mN")
     page.get_by_text("2 of 6 files found in the spreadsheet.").wait_for()
     expect(page.get_by_label("Load of IMG_0033.png, newtons")).to_have_value("1.5")
     expect(page.get_by_label("Load of IMG_0034.png, newtons")).to_have_value("0.5")

@@ -1,16 +1,11 @@
 """What is clicked twice, held down, or left half-entered is about one item only."""
 
-import json
 import re
 import tomllib
 
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, box, numbers, settle, stroke
-
-
-def reviewed(study) -> list[str]:
-    log = study / "corrections.jsonl"
-    return [json.loads(line)["item"] for line in log.read_text().splitlines()] if log.exists() else []
+from tests.end_to_end.page.browser import Tab, middle, numbers, settle, stroke
+from tests.end_to_end.page.test_contacts import corrections
 
 
 def idle(page: Page) -> None:
@@ -18,7 +13,7 @@ def idle(page: Page) -> None:
     settle(page)
 
 
-def test_a_double_click_deletes_one_scale(tab: Tab, demo) -> None:
+def test_a_double_click_deletes_one_scale_and_opens_one_figure(tab: Tab, demo) -> None:
     with (demo / "study.toml").open("a") as file:
         file.write("\n".join(f"[scales.unused_{name}]\nppi = 500\n" for name in ("a", "b")))
     page = tab.open("scale/unused_a")
@@ -30,34 +25,31 @@ def test_a_double_click_deletes_one_scale(tab: Tab, demo) -> None:
     assert "unused_a" not in scales
     assert "unused_b" in scales
     assert page.locator(".message").count() == 0
+    tab.go("results/budget")
+    page.get_by_role("button", name=re.compile("^Size, axes and colours")).first.dblclick()
+    page.locator("dialog.figure-settings .preview[src]").wait_for()
+    idle(page)
+    assert page.locator("dialog").count() == 1
 
 
 def test_a_double_click_and_a_held_key_judge_one_image(tab: Tab, demo) -> None:
     page = tab.open("contacts/images")
     numbers(page)
-    (first, second) = (page.locator(".cell").nth(place) for place in (0, 1))
+    (first, second, third) = (page.locator(".cell").nth(place) for place in range(3))
     page.get_by_role("button", name="Reject", exact=True).dblclick()
     expect(second).to_have_attribute("aria-selected", "true")
     numbers(page)
-    assert len(reviewed(demo)) == 1
+    assert len(corrections(demo)) == 1
     expect(first).to_have_attribute("data-state", "rejected")
     page.locator("h1").click()
     page.keyboard.down("x")
-    expect(page.locator(".cell").nth(2)).to_have_attribute("aria-selected", "true")
+    expect(third).to_have_attribute("aria-selected", "true")
     for _ in range(5):
         page.keyboard.down("x")  # as a key that is held does
         numbers(page)
     page.keyboard.up("x")
     idle(page)
-    assert len(reviewed(demo)) == 2
-
-
-def test_a_double_click_opens_one_figure(tab: Tab, demo) -> None:
-    page = tab.open("results/budget")
-    page.get_by_role("button", name=re.compile("^Size, axes and colours")).first.dblclick()
-    page.locator("dialog.figure-settings .preview[src]").wait_for()
-    idle(page)
-    assert page.locator("dialog").count() == 1
+    assert len(corrections(demo)) == 2
 
 
 def test_what_was_refused_for_a_contact_is_not_shown_for_another(tab: Tab, demo) -> None:
@@ -91,8 +83,7 @@ def test_a_length_is_of_its_photograph(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     numbers(page, "finger")
     page.keyboard.press("l")
-    place = box(page.locator(".stage"))
-    x, y = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    x, y = middle(page.locator(".stage"))
     stroke(page, (x - 60, y), (x + 60, y))
     expect(page.locator("[data-live=length]")).to_contain_text("mm")
     page.keyboard.press(".")

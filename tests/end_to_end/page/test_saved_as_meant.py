@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, changed, drag, focus, launched, numbers, served
+from tests.end_to_end.page.browser import Tab, launched, numbers, served
 from tests.end_to_end.page.test_contacts import PRINT, corrections
 
 from fingerpad.study.editing.template import write_example
@@ -17,22 +17,6 @@ from fingerpad.study.editing.template import write_example
 
 def manifest(folder) -> dict:
     return tomllib.loads((folder / "study.toml").read_text())
-
-
-def test_an_arrow_after_a_drag_goes_to_the_next_image(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
-    drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
-    changed(page, before)
-    saved = corrections(demo)
-    page.keyboard.press("ArrowRight")
-    page.wait_for_url(re.compile("synthetic_30deg_4N"))
-    page.keyboard.press("ArrowLeft")
-    page.wait_for_url(re.compile(PRINT))
-    assert corrections(demo) == saved
-    before = numbers(page)
-    focus(page, "End of the semi-major axis").press("ArrowRight")  # by key it still moves
-    changed(page, before)
 
 
 def test_a_decimal_comma_is_a_decimal_point_or_is_refused(example_tab: Tab, example) -> None:

@@ -11,8 +11,7 @@ from tests.smooth_study import area_at, make_smooth_study
 
 @pytest.fixture
 def smooth(tmp_path):
-    make_smooth_study(tmp_path / "smooth", None)
-    return tmp_path / "smooth"
+    return make_smooth_study(tmp_path / "smooth", None).parent
 
 
 @pytest.fixture
