@@ -226,6 +226,14 @@ def test_settings_from_largest_contact(settings, press):
     assert settings.texture[:CONTACT].max() < 0.3 * settings.texture.max()
 
 
+def test_settings_have_the_polarity_of_most_frames(press):
+    dark = [press.pixels(k) for k in (28, 29, 30)]
+    frames = [Frame(index=k, pixels=pixels) for k, pixels in enumerate([*dark, 255 - dark[0]])]
+    found = estimate_settings(frames, SCALE)
+    assert found.settings["dark_on_light"]
+    assert found.learnt_from == (0, 1, 2)
+
+
 def test_border_looked_for_in_key_frames(press, frames, settings):
     assert settings.settings["added_border"] is False
     bordered = [replace(frame, pixels=np.pad(frame.pixels, 40, constant_values=255)) for frame in frames]
