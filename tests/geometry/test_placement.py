@@ -1,7 +1,5 @@
 """Placement on the wedge: printed reference numbers, limits, and symmetry under roll."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -51,11 +49,6 @@ def test_roll_symmetry_and_tangency(wedge: float, roll: float) -> None:
     # The platen touches at one point only: no other point of the pad lies further out.
     u, v = np.meshgrid(np.linspace(-np.pi, np.pi, 40), np.linspace(0, np.pi, 20))
     assert (PAD.point(u, v) @ right.normal).max() <= right.point @ right.normal + 1e-12
-
-
-def test_a_placement_with_another_angle() -> None:
-    turned = replace(Placement(PAD, wedge_angle=0.5, roll_angle=0.1), roll_angle=0.3)
-    assert_allclose(turned.point, Placement(PAD, wedge_angle=0.5, roll_angle=0.3).point)
 
 
 @pytest.mark.parametrize("bad", [-1e-9, np.radians(90.001), np.nan, np.inf])

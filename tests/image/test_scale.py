@@ -45,7 +45,6 @@ def test_line_end_uncertainty():
     [
         Scale.of_ppi,
         Scale,
-        lambda value: Scale(mm_per_px=value),
         lambda value: Scale.of_line(value, (0, 0), (0, 9)),
     ],
 )

@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 
 from fingerpad import Estimate
 from fingerpad.figures import new_figure, plot_load_residuals
-from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit, fit_loading_curve
 from fingerpad.loading.laws import load_dependent
 from fingerpad.simulate import simulate_loading_curve
@@ -111,10 +110,6 @@ def test_the_report_says_why_a_quantity_is_not_known() -> None:
     text = fit_loading_curve(curve).report()
     (line,) = (line for line in text.splitlines() if "not known" in line and "Young's modulus" in line)
     assert "no contact area in the curve" in line
-
-
-def test_flags_are_registered() -> None:
-    assert set(fit_of().flags) <= FLAGS["curve"].keys()
 
 
 def test_residuals_are_drawn_with_the_other_explanations() -> None:

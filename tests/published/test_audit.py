@@ -131,9 +131,8 @@ def test_rounding_from_last_digit(digits, value, rounding) -> None:
 
 def test_record_to_json(items) -> None:
     record = asdict(items["Table 2, direct, u = 0°"])
-    assert {"item", "printed", "computed", "unit", "verdict", "remark", "with_misprint"} <= record.keys()
     assert json.loads(json.dumps(record)) == record
-    assert json.loads(json.dumps(record))["verdict"] == MISPRINT
+    assert record["verdict"] == MISPRINT
 
 
 def test_the_docs_count_the_misprints() -> None:
