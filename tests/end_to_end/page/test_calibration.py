@@ -8,7 +8,7 @@ import pytest
 from benchmarks.truth.grids import Scene
 from PIL import Image
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, box, focus, numbers
+from tests.end_to_end.page.browser import Tab, box, focus, moving, numbers, require_picture
 
 from fingerpad.simulate import render_coin
 
@@ -29,7 +29,7 @@ def test_three_points_on_the_rim_of_a_coin(tab: Tab, demo) -> None:
     Image.fromarray(coin.pixels).save(demo / "some_coin.png")
     page = tab.open("scale")
     new_scale(page, "Circle", "some_coin.png")
-    page.wait_for_selector(".stage:not(.waiting) .picture")
+    require_picture(page)
     place = box(page.locator(".stage .picture"))
     zoom = place["width"] / coin.pixels.shape[1]
     (row, column), radius = coin.centre, float(coin.ellipse.semi_major)
@@ -40,16 +40,13 @@ def test_three_points_on_the_rim_of_a_coin(tab: Tab, demo) -> None:
         )
     page.get_by_label("Diameter", exact=True).fill("20")
     page.keyboard.press("Tab")
-    found, std = scale_of(numbers(page, "scale"))
+    before = numbers(page, "scale")
+    found, std = scale_of(before)
     assert found == pytest.approx(10 / radius, rel=0.02)
     assert std > 0
     expect(page.locator("path.coin")).to_have_attribute("d", re.compile("."))
     focus(page, "Point 1 on the rim").press("Shift+ArrowRight")
-    page.keyboard.press("Shift+ArrowRight")
-    page.wait_for_function(
-        "old => document.querySelector('[data-live=scale]').innerText !== old",
-        arg=page.locator("[data-live=scale]").inner_text(),
-    )
+    moving(page, before, "scale")
 
 
 def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> None:
@@ -79,7 +76,7 @@ def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> Non
 def test_points_are_set_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open("scale")
     new_scale(page, "Circle", "synthetic/synthetic_30deg_2N.png")
-    page.wait_for_selector(".stage:not(.waiting) .picture")
+    require_picture(page)
     page.get_by_label("Diameter", exact=True).fill("12")
     page.locator(".stage").focus()
     for key in ("ArrowUp", "ArrowLeft", "ArrowDown"):

@@ -32,7 +32,6 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab) ->
             assert place["x"] + place["width"] <= width, (step, width)
         # What a column of the study's tables holds is named beside it, not beyond the edge.
         example_tab.go("study")
-        page.locator(".study-grid .table-wrap").first.wait_for()
         require_tables_that_fit(page)
         example_tab.go(f"contacts/images/{item}")
         page.get_by_role("heading", name=item).wait_for()
@@ -43,6 +42,7 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab) ->
 
 
 def require_tables_that_fit(page: Page) -> None:
+    page.locator(".study-grid .table-wrap").first.wait_for()
     for each in page.locator(".study-grid .table-wrap").all():
         if each.is_visible():
             name = each.get_attribute("aria-label")
@@ -51,7 +51,6 @@ def require_tables_that_fit(page: Page) -> None:
 
 def test_tables_of_the_study_and_text_fit_the_screen(example_tab: Tab) -> None:
     page = example_tab.open()
-    page.locator(".study-grid .table-wrap").first.wait_for()
     resize(page, 1280)
     require_tables_that_fit(page)
     for width, size in ((1366, "11.06px"), (2560, "13.43px")):
@@ -61,9 +60,10 @@ def test_tables_of_the_study_and_text_fit_the_screen(example_tab: Tab) -> None:
 
 def test_tables_and_names_on_the_pad_fit(tab: Tab) -> None:
     page = tab.open()
-    page.locator(".study-grid .table-wrap").first.wait_for()
     require_tables_that_fit(page)
     tab.go("pad")
+    page.get_by_text("u = 0°", exact=True).wait_for()
+    expect(page.locator(".pad-caption")).to_contain_text("parametric angle u")
     names = page.locator(".pad-scene svg text")
     for width, height in ((390, 780), (683, 384), (1366, 768)):
         resize(page, width, height)
@@ -98,14 +98,6 @@ def test_words_are_whole_at_1366_pixels(tab: Tab) -> None:
     undo = page.get_by_role("button", name="Undo rejection")
     undo.wait_for()
     assert undo.evaluate("button => button.scrollWidth <= button.clientWidth")
-
-
-@pytest.mark.nightly
-def test_the_dots_of_the_pad_say_of_which_angle_they_are(example_tab: Tab) -> None:
-    page = example_tab.open("pad")
-    numbers(page, "u")
-    page.get_by_text("u = 0°", exact=True).wait_for()
-    expect(page.locator(".pad-caption")).to_contain_text("parametric angle u")
 
 
 @pytest.mark.nightly
