@@ -44,6 +44,12 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
     [
         ({"load": -CURVE.load}, LoadingError, "force falls as the displacement grows"),
         ({"indentation": -CURVE.indentation}, LoadingError, "displacement never grows"),
+        # A way in alone, reversed, has no cycle at all.
+        (
+            {"load": -CURVE.load, "indentation": -CURVE.indentation},
+            LoadingError,
+            "both of the wrong sign .* reverse both columns",
+        ),
         ({"load": np.ones(300)}, LoadingError, "force is 1 N in every row"),
         ({"indentation": np.ones(300)}, LoadingError, "displacement is 1 mm in every row"),
         (
