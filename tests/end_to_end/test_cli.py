@@ -489,6 +489,9 @@ def test_init_then_run(tmp_path: Path) -> None:
     for named in (study, study / "study.toml"):
         assert json.loads(run("status", named, "--json")[1])["done"] == 1
         assert run("verify", named)[0] == 0
+    code, out, _ = run("init", "--example", tmp_path / "example")
+    assert (code, "Run it: fingerpad run" in out) == (0, True)
+    assert (tmp_path / "example" / "study.toml").is_file()
 
 
 def test_init_from_files(run_example: Path, tmp_path: Path) -> None:
