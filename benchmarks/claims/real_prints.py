@@ -53,7 +53,11 @@ def report() -> None:
             moved = []
             plain, grey = measure_contact_image(picture.pixels, scale), picture.pixels.astype(float) / 255
             for gamma in GAMMAS:
-                bent = measure_contact_image(np.rint(255 * grey**gamma).astype(np.uint8), scale)
+                try:
+                    bent = measure_contact_image(np.rint(255 * grey**gamma).astype(np.uint8), scale)
+                except ImageError:
+                    moved += ["refused", "refused"]
+                    continue
                 moved += [
                     percent(getattr(bent, area) / getattr(plain, area) - 1, "+")
                     for area in ("gross_area", "ridge_area")

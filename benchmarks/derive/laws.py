@@ -4,6 +4,7 @@
 of thick layers and the limits of thin ones are known; least squares find the rest.
 """
 
+import argparse
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -387,5 +388,6 @@ def show(images: int, seed: int, other: int) -> None:  # noqa: ARG001 - the solv
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description="Fit all coefficients again and write them to the code.").parse_args()
     fit_all()
     write()

@@ -149,6 +149,11 @@ def test_a_unit_that_contradicts_the_header_is_refused(tmp_path: Path, header: s
     assert read_loading_curve(path, {"force": proposed}).load[0] == (1 if own == "N" else 1e-3)
 
 
+def test_grams_of_a_force_are_grams_force(tmp_path: Path) -> None:
+    curve = read_loading_curve(write(tmp_path, "Load (g),displacement_mm\n0,0\n100,2\n"))
+    assert curve.load[-1] == pytest.approx(0.980665)
+
+
 def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path) -> None:
     path = write(tmp_path, "\ufeffKanal_N,disp (µm)\n1,2\n")  # N may number the channel
     assert read_loading_curve(path, {"force": "Kanal_N:mN", "displacement": "disp (µm):um"}).load[0] == 1e-3

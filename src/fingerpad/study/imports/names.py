@@ -47,13 +47,9 @@ FACES: Final[tuple[Face, ...]] = get_args(Face)
 _FACE_WORDS: Final[Mapping[str, Face]] = words_of("face")
 _ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = words_of("role")
 _OF_SCALE: Final = words_of("scale").keys()
-# Factor that turns a value in the unit into the library's; grams are grams-force.
+# Factor that turns a value in the unit into the library's.
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
-    "load": {
-        **{unit.casefold(): factor for unit, factor in units.FACTORS["force"].items()},
-        "g": units.FACTORS["force"]["gf"],
-        "kgf": 9.80665,
-    },
+    "load": {unit.casefold(): factor for unit, factor in units.FACTORS["force"].items()},
     "wedge": {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0, "rad": math.degrees(1.0)},
     "roll": {"deg": 1.0},
     "mm_per_px": {"mm/px": 1.0, "mm/pixel": 1.0, "um/px": 1e-3, "µm/px": 1e-3, "μm/px": 1e-3},
