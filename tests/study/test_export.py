@@ -16,6 +16,7 @@ from tests.studies import Table, contact, correct, finger, picture, rows_of, wri
 from tests.sums import write_sums
 
 import fingerpad as fp
+from fingerpad._csv import package_table
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import load
@@ -95,6 +96,32 @@ def test_matlab_keeps_values_units_and_meanings(results, tmp_path):
     assert all(re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII) for name in COLUMNS)  # as MATLAB takes
 
 
+def test_every_line_of_columns_csv_is_whole():
+    lines = package_table("fingerpad.study.results", "columns.csv")
+    allowed = {
+        "type": {"text", "bool", "int", "float"},
+        "group": {
+            *("observation", "placement", "sequence", "image", "ellipse", "region", "pad"),
+            *("radius", "hertz", "layer", "validity", "output"),
+        },
+        "default": {"yes", "no"},
+    }
+    faults = [
+        f"line {number}, {line['column']}: {key} is {line[key]!r}, not one of {sorted(words)}"
+        for number, line in enumerate(lines, 2)
+        for key, words in allowed.items()
+        if line[key] not in words
+    ]
+    faults += [
+        f"line {number}, {line['column']}: lacks its meaning, or quotes around commas in it"
+        for number, line in enumerate(lines, 2)
+        if not line["meaning"] or None in line
+    ]
+    names = [line["column"] for line in lines]
+    faults += [f"{name}: stands twice" for name in COLUMNS if names.count(name) > 1]
+    assert not faults, "\n".join(["columns.csv:", *faults])
+
+
 def test_every_column_has_the_unit_that_its_name_says():
     expected = {
         "load_N": "N", "time_s": "s", "frame": "1", "u_deg": "deg", "mm_per_px": "mm/px",
@@ -105,13 +132,13 @@ def test_every_column_has_the_unit_that_its_name_says():
     }  # fmt: skip
     assert {name: COLUMNS[name].unit for name in expected} == expected
     for name, column in COLUMNS.items():
-        assert (column.unit == "") == (column.dtype in {"text", "bool"}), name
+        assert (column.unit == "") == (column.dtype in {"text", "bool"}), f"{name}: numbers have a unit or 1"
         unit = re.search(
             r"_(mm_per_px|mm2|mm|kpa|deg|N|s|px)(_fixed_geometry|_noise|_edge|_repeatability|_model|_total)?(_std)?$",
             f"_{name}",
         )
         said = {"kpa": "kPa", "mm_per_px": "mm/px"}.get(unit[1], unit[1]) if unit else "1"
-        assert column.unit in {said, ""}, name
+        assert column.unit in {said, ""}, f"{name}: its name says {said}, columns.csv {column.unit}"
 
 
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path):

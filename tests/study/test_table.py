@@ -67,6 +67,11 @@ def test_types_are_those_of_the_registry_whatever_is_known():
         assert list(table.dtypes.astype(str)) == [names[column.dtype] for column in COLUMNS.values()]
 
 
+def test_a_column_that_columns_csv_lacks_is_not_dropped_in_silence():
+    with pytest.raises(ValueError, match=r"columns\.csv has no line for contact_length_mm"):
+        table_of([{"load_N": np.ones(1), "contact_length_mm": np.ones(1)}])
+
+
 def test_some_rows_keep_their_places_in_the_whole():
     table = table_by(ROWS, 2)
     some = table[table["frame"].notna()]

@@ -91,6 +91,8 @@ def table_of(
     size, words = 0, dict[str | None, str | None]()
     growing = {name: GrowingArray(column.unknown(0), capacity) for name, column in COLUMNS.items()}
     for batch in batches:
+        if unknown := batch.keys() - COLUMNS.keys():
+            raise ValueError(f"columns.csv has no line for {', '.join(sorted(unknown))}")
         more = len(next(iter(batch.values())))
         for name, column in COLUMNS.items():
             array = batch.get(name)
