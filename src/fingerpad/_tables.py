@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import date, datetime
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 from xml.parsers import expat
 
 import numpy as np
@@ -110,7 +110,7 @@ def read_table(
     head_only: bool = False,
     is_wanted: Callable[[list[str]], bool] | None = None,
 ) -> Table:
-    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``.
+    """Read the cells of a file of any kind that `_kind_of` knows.
 
     Where the header of a workbook's first sheet is not wanted, the only sheet whose header is stands for it.
     """
@@ -120,7 +120,8 @@ def read_table(
         with path.open("rb") as file:
             content = file.read(_HEAD_BYTES) if head_only else file.read()
             if head_only and len(content) == _HEAD_BYTES:
-                content = content + file.read() if _is_packed(path, content) else content.rpartition(b"\n")[0]
+                head_is_enough = _kind_of(content, path.name) in {"text", "hdf5"}
+                content = content.rpartition(b"\n")[0] if head_is_enough else content + file.read()
     except FileNotFoundError:
         raise error(f"{path}: no such file: check the path") from None
     except OSError as fault:
@@ -128,9 +129,15 @@ def read_table(
     return parse_table(content, str(path), error, is_wanted=is_wanted)
 
 
-def _is_packed(path: Path, content: bytes) -> bool:
-    """Tell whether a file is one that is read as a whole or not at all."""
-    return content[:4] in {b"PK\x03\x04", b"TDSm"} or path.suffix.lower() == ".mat"
+def _kind_of(content: bytes, name: str) -> Literal["xlsx", "tdms", "hdf5", "mat", "text"]:
+    """Return the kind of a file by its first bytes, or else by its name."""
+    if content[:4] == b"PK\x03\x04":
+        return "xlsx"
+    if content[:4] == b"TDSm":
+        return "tdms"
+    if b"\x89HDF\r\n" in (content[:6], content[512:518]):
+        return "hdf5"
+    return "mat" if name.lower().endswith(".mat") else "text"
 
 
 def parse_table(
@@ -143,18 +150,7 @@ def parse_table(
     """Return the cells of a file's content, or of a text; errors are those of `read_table`."""
     separator = sheet = ""
     lines: Iterable[tuple[int, list[str]]]
-    if isinstance(content, bytes) and content[:4] == b"PK\x03\x04":
-        sheet, cells = _sheet_cells(content, name, error, is_wanted)
-        lines = enumerate(cells, 1)
-    elif isinstance(content, bytes) and content[:4] == b"TDSm":
-        lines = enumerate(_tdms_cells(content, name, error))
-    elif isinstance(content, bytes) and (b"\x89HDF\r\n" in (content[:6], content[512:518])):
-        raise error(
-            f"{name}: is HDF5, as MATLAB's version 7.3: save it again with save('curve.mat', ..., '-v7')"
-        )
-    elif isinstance(content, bytes) and name.lower().endswith(".mat"):
-        lines = enumerate(_mat_cells(content, name, error))
-    else:
+    if isinstance(content, str) or (kind := _kind_of(content, name)) == "text":
         try:
             text = content if isinstance(content, str) else _decoded(content)
             separator = _separator(text)
@@ -164,6 +160,17 @@ def parse_table(
                 lines = [(number, [unescape_formula(cell) for cell in row]) for number, row in lines]
         except (UnicodeDecodeError, csv.Error) as fault:
             raise error(f"{name}: cannot be read as CSV ({fault})") from fault
+    elif kind == "xlsx":
+        sheet, cells = _sheet_cells(content, name, error, is_wanted)
+        lines = enumerate(cells, 1)
+    elif kind == "tdms":
+        lines = enumerate(_tdms_cells(content, name, error))
+    elif kind == "mat":
+        lines = enumerate(_mat_cells(content, name, error))
+    else:
+        raise error(
+            f"{name}: is HDF5, as MATLAB's version 7.3: save it again with save('curve.mat', ..., '-v7')"
+        )
     rows = [(number, row) for number, row in lines if any(map(str.strip, row))]
     header = _header(row for _, row in rows)
     return Table(name=name, header=header, rows=rows[1:], separator=separator, sheet=sheet)

@@ -111,7 +111,7 @@ def read_outline(path: str | PathLike[str]) -> FloatArray:
     Parameters
     ----------
     path : path-like
-        A CSV, XLSX or MAT file.
+        A CSV, XLSX, MAT or TDMS file.
 
     Returns
     -------

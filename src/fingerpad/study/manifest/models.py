@@ -267,7 +267,7 @@ class Photograph(ManifestModel):
     face: Literal["palmar", "distal", "radial", "ulnar"]
     """The face that looks at the camera."""
     outline: str | None = None
-    """Table (CSV, XLSX or MAT) of outline points, `x_mm,y_mm`, in place of a photograph."""
+    """Table (CSV, XLSX, MAT or TDMS) of outline points, `x_mm,y_mm`, in place of a photograph."""
     outline_relative_std: RelativeStd = 0.0
     """Relative standard uncertainty of the outline's scale, where `scale` does not name it."""
     file: str | None = None
@@ -456,7 +456,7 @@ class ContactSequence(PlacedFinger):
     contact_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     """Force in the frame of first contact, N."""
     times: str | None = None
-    """Table (CSV, XLSX or MAT) with one `time_s` for each frame."""
+    """Table (CSV, XLSX, MAT or TDMS) with one `time_s` for each frame."""
     pool_min_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     """Least load of the loading frames that are pooled, N."""
 
