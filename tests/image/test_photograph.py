@@ -11,7 +11,7 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.flags import FLAGS
 from fingerpad.image import FACE_AXES, Scale, combine_faces, measure_photograph, read_colour_image, read_image
 from fingerpad.image.photograph.faces import face_axes
-from fingerpad.simulate import render_finger
+from fingerpad.simulate import render_coin, render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}
 MM_PER_PX = 0.08
@@ -36,6 +36,19 @@ def truth_of(face):
 @cache
 def found_of(face):
     return measured(truth_of(face))
+
+
+def test_a_coin_beside_the_finger_is_not_the_finger():
+    truth = rendered("radial", mm_per_px=0.1)
+    radius = 12.0 / truth.mm_per_px
+    coin = render_coin(radius=radius, shape=(truth.pixels.shape[0], round(2.4 * radius)), noise_std=0)
+    beside = np.repeat(truth.pixels[:, -1:], coin.pixels.shape[1], axis=1)
+    rows, columns = np.indices(coin.pixels.shape)
+    on_coin = np.hypot(rows - coin.centre[0], columns - coin.centre[1]) <= radius
+    beside[on_coin] = coin.pixels[on_coin][:, None]
+    both = np.concatenate([truth.pixels, beside], axis=1)
+    found = measure_photograph(both, "radial", Scale(truth.mm_per_px), tip=truth.tip, palmar=truth.palmar)
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
 
 
 @pytest.mark.parametrize("face", SEMI_AXES)

@@ -24,6 +24,8 @@ _MIN_DISTANCE = 5.0
 _SHARE_OF_CONTRAST = 0.3
 _MIN_AREA_SHARE = 0.004
 _MAX_AREA_SHARE = 0.92
+# What comes in through the frame's side is the finger if it is at least this share of the largest region.
+_LEAST_COMING_IN = 0.2
 _SMOOTHING_PX = 3.0
 
 # Samples per pixel along a normal, and how far beyond the reach, px; blurs (standard deviation, px) tried.
@@ -125,7 +127,8 @@ def find_silhouette(
     """Set the finger apart from the backdrop whose colour is that of the frame's border.
 
     `root` is the side of the frame through which the finger comes in, None when it is seen end on; `window`
-    is where the finger that is meant lies, if it need not be the largest.
+    is where the finger that is meant lies, if it need not be the largest: without it, a coin that lies beside
+    the finger and fills more of the frame is left out, as it does not come in.
     """
     reduction = max(1.0, max(light.shape[:2]) / _SIDE_PX)
     rows, columns = (max(1, round(side / reduction)) for side in light.shape[:2])
@@ -144,7 +147,8 @@ def find_silhouette(
         slice(int(part.start / reduction), math.ceil(part.stop / reduction))
         for part in window or (slice(0, light.shape[0]), slice(0, light.shape[1]))
     )
-    return Silhouette(_component(_finger(distance), (first, second)), reduction)
+    way_in = root if window is None else None
+    return Silhouette(_component(_finger(distance), (first, second), way_in), reduction)
 
 
 def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tuple[FloatArray, FloatArray]:
@@ -200,8 +204,8 @@ def _finger(distance: FloatArray) -> BoolArray:
     return np.asarray(mask, dtype=bool)
 
 
-def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
-    """Return the region that fills most of the window, without holes."""
+def _component(mask: BoolArray, window: tuple[slice, slice], way_in: Direction | None) -> BoolArray:
+    """Return the region that fills most of the window, without holes; one that comes in goes before others."""
     size = max(3, round(0.006 * max(mask.shape)) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     padded = cv2.copyMakeBorder(mask.astype(np.uint8), size, size, size, size, cv2.BORDER_REPLICATE)
@@ -209,6 +213,11 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
     _, labels = cv2.connectedComponents(opened[size:-size, size:-size])
     counts = np.bincount(labels[window].ravel(), minlength=labels.max() + 1)
     counts[0] = 0
+    if way_in is not None:
+        sides = {"up": labels[0], "down": labels[-1], "left": labels[:, 0], "right": labels[:, -1]}
+        coming_in = np.where(np.bincount(sides[way_in], minlength=len(counts)) > 0, counts, 0)
+        if coming_in.max() > _LEAST_COMING_IN * counts.max():
+            counts = coming_in
     if counts.max() < _MIN_AREA_SHARE * mask.size / 4:
         raise ImageError(
             "no finger found where it was looked for: move region_of_interest, or leave it out"
