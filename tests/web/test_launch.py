@@ -132,6 +132,28 @@ def test_the_token_is_removed_on_signals_that_end_the_program(studies_folder, nu
 
 
 @pytest.mark.parametrize(
+    ("at", "arguments", "opened"),
+    [
+        (".", [], None),
+        (".", ["empty"], None),
+        (".", ["demo"], "demo"),
+        ("demo", [], "demo"),
+    ],
+)
+def test_a_folder_without_a_manifest_is_one_to_begin_a_study_in(
+    studies_folder, monkeypatch, at, arguments, opened
+):
+    (studies_folder / "empty").mkdir()
+    monkeypatch.chdir(studies_folder / at)
+    served = []
+    monkeypatch.setattr("fingerpad.web.app.serve", lambda workspace, **_: served.append(workspace))
+    assert CliRunner().invoke(app, ["app", *arguments]).exit_code == 0
+    (workspace,) = served
+    assert (workspace.last and workspace.last.name) == opened
+    assert workspace.workspace == studies_folder / ("empty" if arguments == ["empty"] else ".")
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["nowhere/study.toml"], "no such file"),

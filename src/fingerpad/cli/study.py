@@ -197,7 +197,7 @@ def verify(study: Manifest, out: Out = None, as_json: options.AsJson = False) ->
 
 def app(
     study: Annotated[
-        Path | None, Argument(help="The study's manifest, or its folder.", show_default=False)
+        Path | None, Argument(help="The study's manifest, its folder, or one of studies.", show_default=False)
     ] = None,
     out: Annotated[
         Path | None, Option(help="Folder of its results.", show_default="results beside the manifest")
@@ -207,15 +207,17 @@ def app(
 ) -> None:
     """Open a page in the browser to measure, correct and read a study.
 
-    It can be reached from this machine only, through the address that is printed. Without a study the page
-    offers those in the current folder. Ctrl-C ends it.
+    It can be reached from this machine only, through the address that is printed. In a folder that is no
+    study, by default the current one, the page begins a study or opens one of those there. Ctrl-C ends it.
     """
+    from fingerpad.study.manifest.load import manifest_in
     from fingerpad.web.app import serve
     from fingerpad.web.workspace import Workspace, folder_of
 
-    folder = None if study is None else folder_of(study)
-    workspace = Workspace(Path.cwd() if folder is None else folder.parent)
-    if folder is not None:
+    folder = folder_of(study or Path())
+    is_study = manifest_in(folder).is_file()
+    workspace = Workspace(folder.parent if is_study else folder)
+    if is_study:
         workspace.open_folder(folder, out)
     elif out is not None:
         raise FingerpadError("--out needs a study: name its manifest")
