@@ -84,6 +84,16 @@ def test_headers_and_cells(header, cell, values):
     assert not table.rows[0].problems
 
 
+def test_names_of_files_are_known_without_their_header():
+    table = parse_file_table("Bild;Normalkraft [N]\nIMG_0031.JPG;0,50\nIMG_0032.JPG;1,5\n")
+    assert [(row.file, row.values) for row in table.rows] == [
+        ("IMG_0031.JPG", {"load_N": 0.5}),
+        ("IMG_0032.JPG", {"load_N": 1.5}),
+    ]
+    with pytest.raises(ManifestError, match="no column names the files; found Bild, Kopie, load"):
+        parse_file_table("Bild,Kopie,load\na.png,b.png,1\n")
+
+
 @pytest.mark.parametrize(
     ("header", "cell"),
     [

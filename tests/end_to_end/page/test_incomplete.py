@@ -50,6 +50,16 @@ def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, ex
     assert [one["face"] for one in stated(example)["fingers"][0]["photographs"]] == ["palmar", "distal"]
 
 
+def test_a_curve_is_missed_by_its_file_and_a_new_scale_is_begun(example_tab: Tab, example) -> None:
+    without(example, r'wedge_angle_deg = 30\nsynthetic = true\n(?=file = "loading)')
+    without(example, r', scale = "camera"')
+    page = example_tab.open()
+    missing = page.get_by_role("group", name="Missing entries").locator("li")
+    expect(missing.filter(has_text="the wedge angle is missing")).to_contain_text("loading_curve.csv")
+    missing.get_by_role("link", name="New scale").click()
+    expect(page.get_by_label("Name", exact=True)).to_have_value("")
+
+
 def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, example) -> None:
     without(example, r"load_N = 1\n")
     without(example, r'scale = "reader"\n(?=\n\[\[observations\]\]\nname = "contact_1N")')

@@ -127,6 +127,18 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     }
 
 
+def test_a_table_called_a_spreadsheet_fills_in_the_files(empty_tab: Tab, tmp_path) -> None:
+    page = empty_tab.open()
+    begin(page)
+    shutil.copy(CONTACTS[0], tmp_path / "IMG_1.png")
+    (tmp_path / "log.csv").write_text("Bild;Force (N);Position (mm)\nIMG_1.png;0,5;3,2\n")
+    drop(page, [tmp_path / "IMG_1.png", tmp_path / "log.csv"])
+    expect(page.get_by_label("Type of log.csv")).to_have_value("curve")
+    page.get_by_label("Type of log.csv").select_option("sheet")
+    page.get_by_text("Bild → file; Force (N) → load.").wait_for()
+    expect(page.get_by_label("Load of IMG_1.png, newtons")).to_have_value("0.5")
+
+
 def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path) -> None:
     empty_tab.expected.append("422")
     page = empty_tab.open()

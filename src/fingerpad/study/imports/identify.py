@@ -40,6 +40,7 @@ _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
 )
 _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
 _OTHERS: Final = words_of("other").keys()
+_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,9 +82,10 @@ class JoinedFiles:
 def read_file_table(path: str | PathLike[str]) -> FileTable:
     """Read a spreadsheet of which each row names a file and states something of it.
 
-    One column names the file; others are person, finger, hand, face, type, wedge angle, load, scale and
-    session, in any order, each header in its usual words and with its unit: ``Load (mN)``, ``theta [deg]``,
-    ``mm/px``. A unit in a cell holds before that of the header. Decimal commas are read too.
+    One column names the file, by its header or, in any language, as the only one whose cells are names with
+    a suffix; others are person, finger, hand, face, type, wedge angle, load, scale and session, in any order,
+    each header in its usual words and with its unit: ``Load (mN)``, ``theta [deg]``, ``mm/px``. A unit in a
+    cell holds before that of the header. Decimal commas are read too.
     """
     path = Path(path)
     if path.is_file() and path.stat().st_size > _MOST_BYTES:
@@ -102,6 +104,12 @@ def file_table(table: Table) -> FileTable:
     if not table.rows:
         raise ManifestError(f"{name}: a line of headers and at least one row are expected")
     columns = tuple(_column(header) for header in table.header)
+    if not any(column.meaning == "file" for column in columns):
+        of_names = [place for place in range(len(columns)) if _holds_names(table, place)]
+        columns = tuple(
+            replace(column, meaning="file") if [place] == of_names else column
+            for place, column in enumerate(columns)
+        )
     counts = Counter(column.meaning for column in columns if column.meaning)
     if not counts["file"]:
         raise ManifestError(
@@ -113,6 +121,12 @@ def file_table(table: Table) -> FileTable:
         headers = " and ".join(repr(one.header) for one in columns if one.meaning == twice[0])
         raise ManifestError(f"{name}: {headers} both state the {twice[0]}: remove one")
     return FileTable(columns=columns, rows=tuple(_row(columns, cells, line) for line, cells in table.rows))
+
+
+def _holds_names(table: Table, place: int) -> bool:
+    """Tell whether the cells of a column are names of files."""
+    names = [cells[place].strip() for _, cells in table.rows if place < len(cells) and cells[place].strip()]
+    return bool(names) and all(PurePosixPath(name).suffix.lower() in _SUFFIXES for name in names)
 
 
 def _column(header: str) -> FileColumn:

@@ -58,7 +58,7 @@ function fieldOf({ kind, key, place, words }) {
   if (place === "scale")
     return [
       workspace.study.scales.length > 0 && scaleChoice({ value: null, label, onset: set }),
-      h("a", { href: "#/scale" }, workspace.study.scales.length ? "New scale" : "Set the scale"),
+      h("a", { href: "#/scale/+" }, workspace.study.scales.length ? "New scale" : "Set the scale"),
     ];
   if (place in NUMBERS) {
     const { unit, max } = NUMBERS[place];
@@ -69,8 +69,12 @@ function fieldOf({ kind, key, place, words }) {
   return null;
 }
 
-/** Whose entry is missing: of a photograph, whose words name the file, its finger. */
-const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] : key || kind);
+/** Whose entry is missing: of a photograph, whose words name the file, its finger; of a curve, its file. */
+function nameOf({ kind, key }) {
+  if (kind === "photograph") return key.split("/", 1)[0];
+  const curve = kind === "curve" && workspace.study.curves[key];
+  return (curve ? (curve.file ?? "R_g from elsewhere") : key) || kind;
+}
 
 /**
  * A list of missing entries with their fields.

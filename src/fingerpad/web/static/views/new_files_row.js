@@ -30,6 +30,7 @@ export function fileRow(files, { file, kind, bytes: size }) {
       draft.touched = true;
       takeGuess(draft);
       files.draw();
+      if (value === "sheet") files.tools.join({ file });
     },
   });
   const finger = fingerField({ value: draft.finger, label: `Finger on ${name}`, onset: put("finger") });

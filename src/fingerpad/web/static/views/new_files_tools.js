@@ -114,10 +114,7 @@ export class NewFileTools {
           "Columns: ",
           found.columns
             .filter(({ meaning }) => meaning)
-            .map(
-              ({ header, meaning, unit }) =>
-                `${header} → ${MEANINGS[meaning] ?? meaning}${unit ? `, ${unit}` : ""}`,
-            )
+            .map(({ header, meaning }) => `${header} → ${MEANINGS[meaning] ?? meaning}`)
             .join("; "),
           ".",
           notes.map(([words, names]) => names.length > 0 && h("p", `${words}: ${some(names)}.`)),

@@ -82,7 +82,8 @@ export class Scales {
       ["+ - 0", "Zoom in, zoom out, fit the image", null],
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
-    this.#start(unsavedScale() ? null : (scaleNamed(rest[0]) ?? workspace.study.scales[0] ?? null));
+    const isNew = rest[0] === "+" || unsavedScale();
+    this.#start(isNew ? null : (scaleNamed(rest[0]) ?? workspace.study.scales[0] ?? null));
     this.leaving = () => this.#keepDraft();
     addEventListener("pagehide", this.leaving);
   }
