@@ -205,7 +205,7 @@ def _finger(distance: FloatArray) -> BoolArray:
 
 
 def _component(mask: BoolArray, window: tuple[slice, slice], way_in: Direction | None) -> BoolArray:
-    """Return the region that fills most of the window, without holes; one that comes in goes before others."""
+    """Return the region that fills most of the window, without holes; first one that comes in by `way_in`."""
     size = max(3, round(0.006 * max(mask.shape)) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     padded = cv2.copyMakeBorder(mask.astype(np.uint8), size, size, size, size, cv2.BORDER_REPLICATE)
