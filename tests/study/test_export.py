@@ -263,11 +263,14 @@ def test_the_table_holds_what_the_file_says(folder):
     assert results.table.attrs["units"]["youngs_modulus_kpa"] == "kPa"
     assert set(results.table.attrs["units"]) == set(results.table)
     assert results.summary.summaries[0].finger == "index"
-    assert len(repr(results)) < 100
+    first, *sentences = repr(results).splitlines()
+    assert first.startswith("<Results of 'Two presses, é': 2 rows, ")
+    assert sentences[0].startswith("index, 30°: modulus 67.1 ± ")
+    assert len(sentences) == 2
     shown = results._repr_html_()
     assert shown.startswith("<strong>Two presses, é</strong><ul><li>index, 30°: modulus 67.1 ± ")
     assert shown.count("<li>") == shown.count(" mm.</li>") == 2
-    assert "&lt;Results of &#x27;Two presses, é&#x27;: 2 rows" in shown
+    assert "</ul>Results of &#x27;Two presses, é&#x27;: 2 rows" in shown
 
 
 def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(tmp_path):

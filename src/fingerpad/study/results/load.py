@@ -28,6 +28,8 @@ from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, n
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType, table_of
 from fingerpad.units import KPA_PER_MPA
 
+# Of the sentences, one for each finger and wedge, where no notebook shows all.
+_MOST_SHOWN: Final = 12
 # The cells of so many rows take some megabytes.
 _ROWS_AT_ONCE: Final = 1000
 _CONVERT: Final[Mapping[DType, Callable[[str], Any]]] = {
@@ -61,14 +63,22 @@ class Results:
         return self.summary.title
 
     def __repr__(self) -> str:
-        rows, columns = self.table.shape
-        return f"<Results of {self.title!r}: {rows} rows, {columns} columns>"
+        """Return how large it is, and what was found: the sentences with which the report begins."""
+        found = self._sentences()
+        more = [f"and {len(found) - _MOST_SHOWN} more"] if len(found) > _MOST_SHOWN else []
+        return "\n".join([f"<{self._size()}>", *found[:_MOST_SHOWN], *more])
 
     def _repr_html_(self) -> str:
-        """Return what was found, for a notebook: the sentences with which the report begins."""
-        found = answers(self.summary.summaries, self.summary.by_load)
-        lines = "".join(f"<li>{html.escape(one.sentence)}</li>" for one in found)
-        return f"<strong>{html.escape(self.title)}</strong><ul>{lines}</ul>{html.escape(repr(self))}"
+        """Return the same for a notebook, with all sentences."""
+        lines = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in self._sentences())
+        return f"<strong>{html.escape(self.title)}</strong><ul>{lines}</ul>{html.escape(self._size())}"
+
+    def _size(self) -> str:
+        rows, columns = self.table.shape
+        return f"Results of {self.title!r}: {rows} rows, {columns} columns"
+
+    def _sentences(self) -> list[str]:
+        return [one.sentence for one in answers(self.summary.summaries, self.summary.by_load)]
 
     @classmethod
     def read(cls, folder: Path) -> "Results":
@@ -87,8 +97,8 @@ def load_results(folder: str | PathLike[str]) -> Results:
     Returns
     -------
     Results
-        Its ``table`` is a pandas DataFrame with one row per contact; ``summary`` holds what was pooled. A
-        notebook shows one sentence for each finger and wedge.
+        Its ``table`` is a pandas DataFrame with one row per contact; ``summary`` holds what was pooled. Shown,
+        it says one sentence for each finger and wedge.
 
     Raises
     ------
