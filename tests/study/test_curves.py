@@ -70,6 +70,18 @@ def study(folder: Path, *curves: Table, **uncertainty: float) -> StudyResult:
     return studies.run(folder, *tables, uncertainty=UNCERTAINTY | uncertainty)
 
 
+def test_a_curve_without_areas_is_not_said_to_be_no_curve(tmp_path):
+    write_curve(tmp_path / "a.csv", area=False)
+    result = study(tmp_path, of_file())
+    advice = "; ".join(to_measure_better(result))
+    assert "record contact areas along the loading curve of f" in advice
+    assert "record a loading curve" not in advice
+    (validity,) = result.validities
+    notes = [check.note for check in validity.checks]
+    assert "the loading curves have no areas, so no radius" in notes
+    assert "no loading data of this finger at this angle" not in notes
+
+
 def test_a_curve_tells_radius_modulus_and_velocity(tmp_path):
     truth = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": 0.02, "rate": 3.0}
     write_curve(tmp_path / "a.csv", points=250, **truth)
@@ -293,6 +305,7 @@ def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp
     assert str(tmp_path) not in "".join(result.failures)
     page = html.unescape(studies.page_of(result, tmp_path / "out"))
     assert "no contact area in the curve" in page
+    assert "a.csv: a.csv" not in page
     for curve in whole:  # each with two moduli, and a word which to believe
         assert curve.layer.advice in page
     assert "Young's modulus at no load against velocity" in page

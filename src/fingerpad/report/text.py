@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final
@@ -193,12 +193,7 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
     if bare:
         named = joined(bare, _MOST_NAMED)
         yield f"state the thickness of the tissue over bone of {named}, where Hertz theory is off"
-    untested = {
-        one.finger: None for one, _ in placed if not loading_radius(result.curves, one.finger_and_wedge)
-    }
-    if untested:
-        named = joined(untested, _MOST_NAMED)
-        yield f"record a loading curve of {named}: no contact image tests its own modulus"
+    yield from _to_test_better(result.curves, [summary for summary, _ in placed])
     if not result.repeatability[synthetic].known:
         yield (
             "press again under one load, four times or more: no ± holds what another impression would change"
@@ -214,6 +209,21 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
             f"{_SMALLER[source]}: {100 * share:.0f} % of the variance of the corrected radius, apart from "
             f"the theory's own error, comes from {from_what}"
         )
+
+
+def _to_test_better(curves: Sequence[CurveResult], summaries: Iterable[Summary]) -> Iterator[str]:
+    """Yield what loading data would test that no contact image does."""
+    fitted = {curve.manifest.finger_and_wedge for curve in curves if curve.fit}
+    untested: dict[bool, dict[str, None]] = {True: {}, False: {}}  # with a curve that has no areas, or none
+    for one in summaries:
+        if not loading_radius(curves, one.finger_and_wedge):
+            untested[one.finger_and_wedge in fitted][one.finger] = None
+    if untested[True]:
+        named = joined(untested[True], _MOST_NAMED)
+        yield f"record contact areas along the loading curve of {named}: without them it tests no radius"
+    if untested[False]:
+        named = joined(untested[False], _MOST_NAMED)
+        yield f"record a loading curve of {named}: no contact image tests its own modulus"
 
 
 def placement_words(summary: Summary) -> str:

@@ -33,7 +33,7 @@ from fingerpad.study.results.validity.model_checks import (
     HOLDS,
     INDENTATION,
     MODULUS,
-    NO_CURVE,
+    NO_AREAS,
     NOT_TESTED,
     NOTHING_COUNTS,
     RADIUS,
@@ -365,7 +365,7 @@ def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
 def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     loading, pooled = case.loading, case.summary.compliance_radius
     if loading is None or pooled is None:
-        return _CHECKS[RADIUS].untested(NO_CURVE if loading is None else case.nothing)
+        return _CHECKS[RADIUS].untested(case.no_loading_radius if loading is None else case.nothing)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
@@ -395,7 +395,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     # For one area and load ξ goes with 1/R and E with R.
     for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
-            yield _CHECKS[name].untested(NO_CURVE if loading is None else case.nothing)
+            yield _CHECKS[name].untested(case.no_loading_radius if loading is None else case.nothing)
             continue
         radius = row["geometric_radius_from_compliance_mm"]
         relative = row["geometric_radius_from_compliance_mm_std"] / radius
@@ -446,7 +446,7 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         ),
     ):
         if math.isnan(log_reference):
-            yield _CHECKS[name].untested("the loading curves have no areas, so no radius, which E needs")
+            yield _CHECKS[name].untested(f"{NO_AREAS}, which E needs")
             continue
         other = math.exp(log_reference)
         yield _CHECKS[name].of_ratio(
@@ -546,7 +546,7 @@ def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator
 
 def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityCheck:
     if case.loading is None:
-        return _LAYER_RADIUS.untested(NO_CURVE)
+        return _LAYER_RADIUS.untested(case.no_loading_radius)
     found = layer.at_highest_load["loading_radius_on_layer"]
     (value, std), note = without_misfit(case.loading)
     std = math.hypot(std, _READING * value)
@@ -607,7 +607,7 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     return shape.against(predicted, _LAYER_SHAPE)
 
 
-_NOT_ESTIMATED = "not estimated: there are no loading data"
+_NOT_ESTIMATED = "not estimated: no loading data to compare with"
 Discrepancies = Mapping[str, ModelDiscrepancy | None]
 
 

@@ -232,6 +232,7 @@ SAME_LOAD: Final = 0.9
 PRESS_STD: Final = 0.046
 AREA_FALLS: Final = "area_falls"
 NO_CURVE: Final = "no loading data of this finger at this angle"
+NO_AREAS: Final = "the loading curves have no areas, so no radius"
 NOTHING_COUNTS: Final = "no contact counts"
 NO_SEMI_AXES: Final = "the finger has no semi-axes"
 
@@ -278,6 +279,11 @@ class FingerAtAngle(NamedTuple):
             loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
             press_std=press_std,
         )
+
+    @property
+    def no_loading_radius(self) -> str:
+        """Why there is no R_g from loading data."""
+        return NO_AREAS if self.fits else NO_CURVE
 
     @property
     def nothing(self) -> str:
