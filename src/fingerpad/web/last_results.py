@@ -56,9 +56,11 @@ def _read(out: Path) -> tuple[Results | None, list[str]]:
     if faults or not result_files(out):
         return None, faults
     try:
-        return Results.read(out), []
+        found = Results.read(out)
     except FingerpadError as error:
         return None, [str(error).removesuffix(f"; {RERUN}")]
+    found.table.attrs.clear()  # pandas copies all units with each column that is taken, half of a plot's time
+    return found, []
 
 
 def require_file(opened: StudySession, name: str) -> None:

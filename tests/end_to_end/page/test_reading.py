@@ -155,6 +155,16 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab) -> None:
     expect(page.locator(".results > *")).to_have_count(1)
 
 
+def test_numbers_for_simulators_are_computed_one_by_one_while_they_are_shown(tab: Tab) -> None:
+    late = Late(tab.page, "**/results/simulator?*")
+    tab.go("results/simulator")
+    late.wait()
+    tab.go("results/table").locator("td").first.wait_for()
+    late.let_go()
+    tab.page.wait_for_timeout(300)
+    assert sum("/results/simulator?" in url for url in tab.asked) == 1
+
+
 @pytest.mark.nightly
 def test_numbers_and_files_for_simulators(tab: Tab) -> None:
     tab.expected.append("422")

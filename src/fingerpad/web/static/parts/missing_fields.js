@@ -70,11 +70,10 @@ function fieldOf({ kind, key, place, words }) {
 }
 
 /** Whose entry is missing: of a photograph, whose words name the file, its finger; of a curve, its file. */
-function nameOf({ kind, key }) {
-  if (kind === "photograph") return key.split("/", 1)[0];
-  const curve = kind === "curve" && workspace.study.curves[key];
-  return (curve ? (curve.file ?? "R_g from elsewhere") : key) || kind;
-}
+const nameOf = ({ kind, key }) =>
+  kind === "photograph"
+    ? key.split("/", 1)[0]
+    : (kind === "curve" && workspace.study.curves[key]?.file) || key || kind;
 
 /**
  * A list of missing entries with their fields.

@@ -103,7 +103,6 @@ export const COIN = "coin in ";
 
 /** Whether a scale is none of the study yet: a number with its unit, or a coin. */
 const isNewScale = (scale) => Boolean(scale) && !scaleNames().includes(scale);
-const newScaleWords = (scale) => (scale.startsWith(COIN) ? COIN + base(scale) : scale);
 
 /** The choice of a file's scale. @param {import("./new_files.js").NewFiles} files */
 function scaleCell(files, file) {
@@ -119,7 +118,7 @@ function scaleCell(files, file) {
         ...scaleNames(),
         ...[...unnamed].map((scale) => [
           scale,
-          newScaleWords(scale) + (scale === stated ? ", from the file" : ""),
+          (scale.startsWith(COIN) ? COIN + base(scale) : scale) + (scale === stated ? ", from the file" : ""),
         ]),
       ],
       label: `Scale of ${base(file)}`,

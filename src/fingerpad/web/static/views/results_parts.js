@@ -112,14 +112,10 @@ export async function showSimulator(root) {
   const asked = { lowest_load_N: 0.2, highest_load_N: 3, thickness_mm: null, mass_kg: 0.1 };
   const cards = h("div.plot-grid");
   const draw = () => render(cards, [groups.map((group) => simulatorCard(group, figures, asked))]);
-  const field = (words, key, unit, placeholder = "") =>
-    numberField(words, {
-      value: asked[key],
-      above: 0,
-      placeholder,
-      onset: (value) => ((asked[key] = value), draw()),
-      unit,
-    });
+  const field = (words, key, unit, placeholder = "") => {
+    const onset = (value) => ((asked[key] = value), draw());
+    return numberField(words, { value: asked[key], above: 0, placeholder, onset, unit });
+  };
   render(root, [
     h(
       "p.lead",
@@ -137,6 +133,8 @@ export async function showSimulator(root) {
   draw();
 }
 
+let turn = Promise.resolve();
+
 /** @param {Answers["BudgetGroup"]} group @param {Answers["FigureEntry"][]} figures */
 function simulatorCard(group, figures, asked) {
   const { finger, wedge_angle_deg: wedge } = group;
@@ -148,9 +146,13 @@ function simulatorCard(group, figures, asked) {
   };
   const files = h("div.actions", h("a.button", link, "Files (ZIP)"));
   const body = h("div.stack-small", h("p.soft", { role: "status" }, "Computing …"));
-  get("/results/simulator", /** @type {any} */ (query))
-    .then((found) => render(body, [simulatorNumbers(found), files]))
-    .catch((error) => render(body, h("p.note", { role: "alert" }, error.message)));
+  // One after the other, as long as they are shown: each takes the server a while.
+  turn = turn.then(async () => {
+    if (!body.isConnected) return;
+    const found = await get("/results/simulator", /** @type {any} */ (query)).catch((error) => error);
+    if (found instanceof Error) render(body, h("p.note", { role: "alert" }, found.message));
+    else render(body, [simulatorNumbers(found), files]);
+  });
   // Of the curves of this finger and angle, the first that has the figure.
   const drawn = figures.find(({ name }) => name.replace(/^curve\d+_/, "") === `${group.figure}_simulator`);
   return groupCard(group, drawn, [
