@@ -196,7 +196,7 @@ def plain_name(name: str) -> str:
     if not dot or f".{suffix.lower()}" not in _SUFFIXES:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
+            "only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
             "(CSV, TSV, XLSX, MAT, TDMS) can be used",
         )
     stem = re.sub(r"(?<=\d),(?=\d)", ".", stem)
