@@ -114,6 +114,7 @@ def press(keys: str) -> str:
         ),
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
+        ("palmar = 3\n" + VALID, "palmar: unknown key; it belongs in another table"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
         (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'; .* without quotes"),
         (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),

@@ -87,5 +87,7 @@ def _keys() -> tuple[str, ...]:
 def _hint(key: str) -> str:
     if key in _SCALE_KEYS:
         return f"; write it in the table of a scale, as in scale = {{ {key} = ... }}"
+    if key in _keys():
+        return "; it belongs in another table"
     close = difflib.get_close_matches(key, _keys(), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
