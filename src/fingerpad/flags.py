@@ -144,7 +144,7 @@ _FRAME: Final = (
     Flag(
         "out_of_step",
         "the area does not follow the force, for lost frames or wrong times",
-        "give the frames' own times (times), or check frame rate, trigger and force file",
+        "give the frames' own times (times), or check frame rate, trigger, force and that no print is left",
         "pooling",
     ),
 )

@@ -12,6 +12,7 @@ from fingerpad.image import (
     ForceSignal,
     Frame,
     FrameRate,
+    FrameResult,
     FrameStamps,
     Scale,
     estimate_settings,
@@ -386,3 +387,26 @@ def test_lost_frames_are_noted_and_flagged(results, signal):
     summary = sequence_summary(lost, signal)
     assert summary.flags == ("out_of_step",)
     assert f"from frame {contacts[4].index} to {contacts[8].index} the area grows by" in summary.notes[0]
+
+
+def with_force(results, load):
+    """Return results, and half a second of empty frames after them, with the loads that `load` gives."""
+    last = results[-1]
+    empty = [FrameResult(index=last.index + k, time=last.time + k / FPS) for k in range(1, 11)]
+    return [replace(result, load=float(load(result.time))) for result in [*results, *empty]]
+
+
+@pytest.mark.parametrize(
+    ("load", "noted"),
+    [
+        (true_load, False),
+        (lambda time: true_load(time - 0.15), True),
+        (lambda time: true_load(time / 1.1), True),
+        (lambda time: true_load(time) + 0.05 * time, True),
+        (lambda time: true_load(time) - 0.05 * time, True),
+    ],
+)
+def test_a_force_that_is_left_after_the_contact_is_noted(results, signal, load, noted):
+    summary = sequence_summary(with_force(results, load), signal)
+    assert any("after the last frame in contact" in note for note in summary.notes) == noted
+    assert summary.flags == ()

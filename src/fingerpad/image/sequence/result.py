@@ -120,6 +120,10 @@ _MIN_FRAMES_TO_COMPARE = 8
 _MIN_CORRELATION = 0.5
 # A sequence whose load stays below this share of the largest force is timed wrongly, or cut.
 _MIN_LOAD_SHARE = 0.1
+# After the contact the force is doubted above this share of the largest, and above the load of first contact,
+# in so many frames in a row: one may be that in which the pad leaves.
+_LEFT_LOAD_SHARE = 0.05
+_FRAMES_LEFT = 3
 # Times of force and frames that differ by such a factor may be in different units.
 _SPANS_APART = 100.0
 
@@ -147,7 +151,10 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
         return None
     reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
     if loads.max() < reach or not _area_follows_load(loads, areas):
-        return "area and force do not rise and fall together: check frame rate, trigger and force file"
+        return (
+            "area and force do not rise and fall together: check frame rate, trigger and force file, and "
+            "that no print stays on the plate"
+        )
     jump = find_jump(times, loads, areas, loading > 0)
     if jump is None:
         return None
@@ -170,6 +177,29 @@ def _zero_subtracted(contacts: FloatArray, force: ForceSignal | None) -> Iterato
             f"the force was {zero:.2g} N before first contact, which was subtracted from all loads: tare the "
             "sensor before a press"
         )
+
+
+def _split(loaded: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the frames in contact, and the loads of those after the last of them."""
+    in_contact = loaded[3] > 0
+    last = np.flatnonzero(in_contact)[-1:]
+    return loaded[:, in_contact], loaded[2, last[0] + 1 :] if last.size else loaded[2, :0]
+
+
+def _left_after_contact(contacts: FloatArray, after: FloatArray, force: ForceSignal | None) -> Iterator[str]:
+    """Yield what the force shows in the frames `after` the contact, in their order, where it is not zero."""
+    if force is None or not contacts.size or after.size < _FRAMES_LEFT:
+        return
+    loads = contacts[2]
+    left = max(_LEFT_LOAD_SHARE * float(loads.max()), abs(float(loads[0])))
+    least = np.lib.stride_tricks.sliding_window_view(np.abs(after), _FRAMES_LEFT).min(axis=-1)
+    if least.max() <= left:
+        return
+    yield (
+        f"after the last frame in contact the force is {np.median(after[:_FRAMES_LEFT]):.2g} N, and "
+        f"{np.median(after[-_FRAMES_LEFT:]):.2g} N at the end, where it should be zero: does it drift or "
+        "come late, is the frame rate wrong, or are frames lost? Loads may be wrong by as much"
+    )
 
 
 def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mapping[str, int]) -> Iterator[str]:
@@ -220,7 +250,7 @@ def sequence_summary(
     phases: Counter[str] = Counter()
     first_contact, largest, largest_area = None, None, 0.0
     start, end, reason = math.inf, -math.inf, None
-    contacts = array("d")  # as `_out_of_step` takes them
+    loaded = array("d")  # frames as `_out_of_step` takes them, those without contact with an area of zero
     for result in results:
         counts["all"] += 1
         counts["measured"] += result.measures is not None
@@ -232,8 +262,8 @@ def sequence_summary(
         area = 0.0 if result.measures is None else result.measures["gross_area_mm2"]
         if area > largest_area:
             largest, largest_area = result.index, area
-        if result.measures is not None and math.isfinite(result.load):
-            contacts.extend((result.index, result.time, result.load, area, result.phase == "loading"))
+        if result.readable and math.isfinite(result.load):
+            loaded.extend((result.index, result.time, result.load, area, result.phase == "loading"))
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
@@ -243,8 +273,9 @@ def sequence_summary(
         notes.append(skipped)
     if force is not None:
         notes += _spans_apart(force, (start, end), counts)
-    seen = np.reshape(contacts, (-1, 5)).T
+    seen, after = _split(np.reshape(loaded, (-1, 5)).T)
     notes += _zero_subtracted(seen, force)
+    notes += _left_after_contact(seen, after, force)
     doubt = _out_of_step(seen, force)
     flags = () if doubt is None else ("out_of_step",)
     if doubt is not None:
