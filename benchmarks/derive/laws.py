@@ -14,12 +14,7 @@ import numpy as np
 
 from benchmarks.arrays import Array
 from benchmarks.claims import fast_laws
-from benchmarks.derive.solved_contacts import (
-    AREA_BIAS,
-    KEPT,
-    kept_contacts,
-    kept_pads,
-)
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
 from benchmarks.truth.layers import circular_contacts, layer_spectrum
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law

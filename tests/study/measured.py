@@ -17,7 +17,7 @@ SEQUENCE = ContactSequence.model_validate(
 
 
 def pad(std: float = 0.1, **more: Any) -> FingerResult:
-    """Return the finger ``f`` whose semi-axes are so uncertain, each by itself."""
+    """Return the finger ``f`` whose semi-axes are independent and so uncertain."""
     given = {"name": "f", "semi_axes": AXES, "covariance": std**2 * np.eye(3), "source": "given"}
     return FingerResult(**{**given, **more})
 

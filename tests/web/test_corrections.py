@@ -67,11 +67,11 @@ def test_two_pages_do_not_lose_each_others_corrections(client):
     assert correct(client, PRINT, 0, changes[0], "ada").status_code == 201
     late = correct(client, PRINT, 0, changes[1], "bob")
     assert late.status_code == 409
-    told = late.json()
-    assert "ada" in told["error"]
-    assert told["latest"]["change"] == changes[0]
-    assert told["corrections"] == now(client, PRINT)
-    again = correct(client, PRINT, told["corrections"]["last_id"], changes[1], "bob")
+    conflict = late.json()
+    assert "ada" in conflict["error"]
+    assert conflict["latest"]["change"] == changes[0]
+    assert conflict["corrections"] == now(client, PRINT)
+    again = correct(client, PRINT, conflict["corrections"]["last_id"], changes[1], "bob")
     assert again.status_code == 201
     assert [record["change"] for record in again.json()["history"]] == changes
 

@@ -9,13 +9,13 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from fingerpad._files import digest_of
-from fingerpad._tables import TABLE_SUFFIXES
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES
-from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
+from fingerpad.study.imports.identify import USABLE_SUFFIXES
 from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
 from fingerpad.study.manifest.messages import Fault
@@ -185,8 +185,6 @@ def _changed_inputs(folder: Path, out: Path) -> Iterator[str]:
                 yield name
 
 
-# What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
-_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 # A run's output folder, which may lie inside the study's.
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a sequence.
@@ -321,5 +319,5 @@ def _files(folder: Path) -> Iterator[Path]:
         if path.is_dir():
             if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):
                 yield from _files(path)
-        elif path.suffix.lower() in _USABLE:
+        elif path.suffix.lower() in USABLE_SUFFIXES:
             yield path

@@ -40,7 +40,8 @@ _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
 )
 _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
 _OTHERS: Final = words_of("other").keys()
-_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
+# What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
+USABLE_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +127,7 @@ def file_table(table: Table) -> FileTable:
 def _holds_names(table: Table, place: int) -> bool:
     """Tell whether the cells of a column are names of files."""
     names = [cells[place].strip() for _, cells in table.rows if place < len(cells) and cells[place].strip()]
-    return bool(names) and all(PurePosixPath(name).suffix.lower() in _SUFFIXES for name in names)
+    return bool(names) and all(PurePosixPath(name).suffix.lower() in USABLE_SUFFIXES for name in names)
 
 
 def _column(header: str) -> FileColumn:

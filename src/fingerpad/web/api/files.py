@@ -20,10 +20,10 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 
 from fingerpad._files import sha256_of
-from fingerpad._tables import TABLE_SUFFIXES, read_table
+from fingerpad._tables import read_table
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.image import open_frames, read_image
-from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
+from fingerpad.study.imports.identify import USABLE_SUFFIXES
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.share import unpack
 from fingerpad.web.answers import Answer
@@ -41,7 +41,6 @@ FOLDER: Final = "uploads"
 # Hidden, so that its contents do not count as files of the study.
 _REMOVED: Final = ".removed"
 _LONGEST: Final = 120
-_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 
 
 class UploadedFile(Answer):
@@ -193,7 +192,7 @@ def plain_name(name: str) -> str:
     """
     last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
     stem, dot, suffix = last.rpartition(".")
-    if not dot or f".{suffix.lower()}" not in _SUFFIXES:
+    if not dot or f".{suffix.lower()}" not in USABLE_SUFFIXES:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             "only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
