@@ -14,7 +14,7 @@ import pytest
 import tifffile
 from tests.web.conftest import client_of, serving
 
-from fingerpad.web.pictures import kind_of_file
+from fingerpad.study.imports.identify import kind_of_file
 from fingerpad.web.workspace import Workspace
 
 

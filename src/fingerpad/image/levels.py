@@ -3,6 +3,7 @@
 from os import PathLike
 from typing import Any, Final, TypeAlias
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
@@ -115,6 +116,23 @@ def eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
         rows = slice(start, start + _BLOCK_ROWS)
         eight[rows] = np.clip(np.rint(levels[rows] * (255 / top)), 0, 255)
     return eight
+
+
+def stretched(levels: Pixels) -> npt.NDArray[np.uint8]:
+    """Return levels in 8 bits; deeper ones from the darkest, as black, to the brightest, as white."""
+    if levels.dtype == np.uint8:
+        return np.asarray(levels, dtype=np.uint8)
+    low, high = float(levels.min()), float(levels.max())
+    return np.asarray(np.rint((levels - low) * (255 / max(high - low, 1e-30))), dtype=np.uint8)
+
+
+def reduced(pixels: npt.NDArray[Any], longest_px: int) -> npt.NDArray[Any]:
+    """Return a picture of at most `longest_px` on its longer side."""
+    zoom = longest_px / max(pixels.shape[:2])
+    if zoom >= 1:
+        return pixels
+    size = [max(2, round(side * zoom)) for side in pixels.shape[1::-1]]
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
 
 
 def on_white(colour: npt.NDArray[Any], alpha: npt.NDArray[Any], *, premultiplied: bool = False) -> Pixels:

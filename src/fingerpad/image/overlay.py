@@ -17,8 +17,7 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, to_fixed_point
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.levels import picture_levels
+from fingerpad.image.levels import picture_levels, stretched
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import in_colour
 
@@ -148,7 +147,7 @@ def write_overlay(
 
 
 def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label: str | None) -> Canvas:
-    grey = _stretch_levels(pixels)
+    grey = stretched(picture_levels(pixels, "pixels"))
     if grey.shape != found.shape:
         raise ImageError(f"pixels must have the measured picture's shape {found.shape}, found {grey.shape}")
     longest = max(grey.shape)
@@ -162,14 +161,6 @@ def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label:
     if label:
         write_text(canvas, label, (3 * width, 0), width)
     return canvas
-
-
-def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
-    values = picture_levels(pixels, "pixels")
-    if values.dtype == np.uint8:
-        return np.asarray(values, dtype=np.uint8)
-    low, high = float(values.min()), float(values.max())
-    return np.asarray(np.rint((values - low) * (255 / max(high - low, 1e-30))), dtype=np.uint8)
 
 
 def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -> Canvas:
@@ -190,15 +181,12 @@ def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -
 
 
 def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
-    lengths = contact_image.ellipse.semi_major, contact_image.ellipse.semi_minor
-    major, minor = (float(length) / contact_image.mm_per_px for length in lengths)
-    centre, orientation = contact_image.centroid, contact_image.orientation
-    ellipse = ImageEllipse(centre=centre, semi_axes=(major, minor), orientation=orientation)
+    ellipse = contact_image.ellipse_px
     outline = canvas_points(ellipse.points(360), zoom)
     draw_line(canvas, np.concatenate([outline, outline[:1]]), ELLIPSE_COLOUR, width)
     for end in (0, 90):
         draw_line(canvas, outline[[end, end + 180]], ELLIPSE_COLOUR, max(1, width // 2))
-    middle = canvas_points(as_float_array(centre), zoom)
+    middle = canvas_points(as_float_array(ellipse.centre), zoom)
     draw_dot(canvas, middle, 3 * width, PAPER)
     draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)
 

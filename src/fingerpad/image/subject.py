@@ -15,7 +15,7 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.image.coin import measure_coin
 from fingerpad.image.contact_image.spectra import line_texture
-from fingerpad.image.levels import eight_bit, picture_levels
+from fingerpad.image.levels import eight_bit, picture_levels, reduced
 from fingerpad.image.photograph.faces import Direction, Face, opposite
 from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
 from fingerpad.image.read import ImageLike, colour_levels
@@ -54,10 +54,10 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     levels = picture_levels(colour_levels(image), "image", colour=True)
     if min(levels.shape[:2]) < 2:
         raise ImageError(f"image must have two rows and columns or more, found shape {levels.shape}")
-    pixels = eight_bit(_reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))
+    pixels = eight_bit(reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))
     grey = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY) if pixels.ndim == 3 else pixels
     lines = line_texture(as_float32(grey))
-    silhouette, tip = _silhouette(_reduced(pixels, _FINGER_PX))
+    silhouette, tip = _silhouette(reduced(pixels, _FINGER_PX))
     scores = dict.fromkeys(SUBJECTS, 0.0)
     if lines.parallel > _PARALLEL and lines.spread < _EVEN:
         scores["ruler"] = 6.0 * min(1.0, lines.share / _MARKS)
@@ -66,20 +66,12 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
         scores["contact"] = 6.0 * min(1.0, lines.share / _RIDGED) * turning
     if scores["contact"] < 4 or lines.parallel > _STRAIGHT:
         with suppress(CalibrationError):
-            coin = measure_coin(_reduced(grey, _COIN_PX))
+            coin = measure_coin(reduced(grey, _COIN_PX))
             scores["coin"] = 5.5 if coin.semi_minor > 0.9 * coin.semi_major else 1.5
     scores["finger"] = _finger_score(pixels, silhouette)
     scores["other"] = 1.5
     faces = _faces(silhouette, tip) if silhouette is not None else {}
     return SubjectGuess(subjects=_shares(scores), faces=faces)
-
-
-def _reduced(pixels: npt.NDArray[Any], longest_px: int) -> npt.NDArray[Any]:
-    zoom = longest_px / max(pixels.shape[:2])
-    if zoom >= 1:
-        return pixels
-    size = [max(2, round(n * zoom)) for n in pixels.shape[1::-1]]
-    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
 
 
 def _shares(scores: Mapping[Any, float]) -> dict[Any, float]:

@@ -27,7 +27,7 @@ from starlette.types import ASGIApp, Scope
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
-from fingerpad.web.api import ROUTERS
+from fingerpad.web.api import here, router
 from fingerpad.web.api.base import IMMUTABLE, answer_errors
 from fingerpad.web.security import START, Access, Guard, closed_page, cookie_name
 from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
@@ -57,8 +57,8 @@ def make_api() -> FastAPI:
         dependencies=[Security(HTTPBearer(auto_error=False, description="the token of the launch"))],
     )
     answer_errors(app)
-    for router in ROUTERS:
-        app.include_router(router)
+    app.include_router(here)
+    app.include_router(router)
     return app
 
 

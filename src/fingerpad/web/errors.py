@@ -11,7 +11,7 @@ class RequestError(HTTPException):
 
     def __init__(self, status: HTTPStatus, words: str, **more: Any) -> None:
         super().__init__(status, words)
-        self.words, self.more = words, more
+        self.more = more
 
     @classmethod
     def not_there(cls, words: str) -> "RequestError":

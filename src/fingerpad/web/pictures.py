@@ -6,18 +6,17 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from threading import Event, Lock, RLock
-from typing import Any, Final, Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._tables import TABLE_SUFFIXES
 from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
+from fingerpad.image.levels import reduced, stretched
 from fingerpad.image.read import Picture
-from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
-from fingerpad.study.imports.names import FileKind
+from fingerpad.image.sequence.frames import TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
 from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192
@@ -132,7 +131,7 @@ class Pictures:
             return self.colour(place)
         if place.colour:
             place = ImageLocation(place.path, frame=0)
-        return eight_bit(self.grey(place).pixels)
+        return stretched(self.grey(place).pixels)
 
     def preview(self, place: ImageLocation, longest_px: int) -> tuple[bytes, str]:
         """Return a preview and its media type: photographs as JPEG, other images as PNG."""
@@ -157,31 +156,3 @@ class Pictures:
 def is_sequence(path: Path) -> bool:
     """Tell whether a file may hold many frames, by its name."""
     return path.is_dir() or path.suffix.lower() in _SEQUENCE_SUFFIXES
-
-
-def kind_of_file(name: str) -> FileKind:
-    """Return the kind of a file by its name."""
-    suffix = Path(name).suffix.lower()
-    if suffix in PICTURE_SUFFIXES:
-        return "picture"
-    if suffix in TABLE_SUFFIXES:
-        return "table"
-    return "sequence" if suffix in _SEQUENCE_SUFFIXES else "other"
-
-
-def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """Return grey levels in 8 bits; deeper images are stretched from darkest to brightest."""
-    if pixels.dtype == np.uint8:
-        return pixels
-    low, high = float(pixels.min()), float(pixels.max())
-    stretched = (pixels.astype(np.float32) - low) * (255 / max(high - low, 1e-30))
-    return np.asarray(np.rint(stretched), dtype=np.uint8)
-
-
-def reduced(pixels: npt.NDArray[np.uint8], longest_px: int) -> npt.NDArray[np.uint8]:
-    """Return an image of at most `longest_px` on its longer side."""
-    zoom = longest_px / max(pixels.shape[:2])
-    if zoom >= 1:
-        return pixels
-    size = (max(1, round(pixels.shape[1] * zoom)), max(1, round(pixels.shape[0] * zoom)))
-    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)

@@ -157,9 +157,9 @@ def _host_name(host: str) -> str | None:
 
 def _answer(refusal: RequestError, path: str) -> Response:
     if path.startswith("/api/"):
-        return JSONResponse({"error": refusal.words}, status_code=refusal.status_code)
+        return JSONResponse({"error": refusal.detail}, status_code=refusal.status_code)
     if path == "/" and refusal.status_code == HTTPStatus.FORBIDDEN:
         return closed_page(
             "It lacks the token of this launch: fingerpad was started again, or this is another browser."
         )
-    return PlainTextResponse(refusal.words, status_code=refusal.status_code)
+    return PlainTextResponse(refusal.detail, status_code=refusal.status_code)

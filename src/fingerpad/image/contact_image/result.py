@@ -28,7 +28,7 @@ from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View
-from fingerpad.image.ellipse import AreaMoments, polygon_moments
+from fingerpad.image.ellipse import AreaMoments, ImageEllipse, polygon_moments
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 # Contrast over noise below which the contact hardly stands out from noise.
@@ -135,6 +135,13 @@ class ContactImageResult(Recorded):
     def picture(self) -> npt.NDArray[Any] | None:
         """The grey levels that were measured, None where they are not kept."""
         return self._picture
+
+    @property
+    def ellipse_px(self) -> ImageEllipse:
+        """The contact ellipse in the picture."""
+        lengths = self.ellipse.semi_major, self.ellipse.semi_minor
+        major, minor = (float(length) / self.mm_per_px for length in lengths)
+        return ImageEllipse(centre=self.centroid, semi_axes=(major, minor), orientation=self.orientation)
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units.

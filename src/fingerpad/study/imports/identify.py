@@ -41,7 +41,12 @@ _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
 _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
 _OTHERS: Final = words_of("other").keys()
 # What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
-USABLE_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
+_SUFFIXES: Final[Mapping[FileKind, frozenset[str]]] = {
+    "picture": PICTURE_SUFFIXES,
+    "sequence": VIDEO_SUFFIXES,
+    "table": TABLE_SUFFIXES,
+}
+USABLE_SUFFIXES: Final = frozenset[str]().union(*_SUFFIXES.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,6 +250,12 @@ class Guess:
     stated: str = ""  # the scale in its file, proposed or not
 
 
+def kind_of_file(name: str) -> FileKind:
+    """Return the kind of a file by its name; pages of a TIFF file may make it a sequence."""
+    suffix = PurePosixPath(name).suffix.lower()
+    return next((kind for kind, suffixes in _SUFFIXES.items() if suffix in suffixes), "other")
+
+
 def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Guess:
     """Guess what a file is, by its content and its name.
 
@@ -253,15 +264,13 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     load, as ``30deg_2N``, is that of a contact image.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix in TABLE_SUFFIXES:
-        return _identity(_table_uses(path), path, "table")
-    if suffix in VIDEO_SUFFIXES:
-        return _identity({"sequence": 1.0}, path, "sequence")
-    if suffix in TIFF_SUFFIXES and open_frames(path, memory_limit=memory_limit).count > 1:
-        return _identity({"sequence": 1.0}, path, "sequence")
-    if suffix not in PICTURE_SUFFIXES:
-        return _identity({"": 1.0}, path, "other")
+    kind = kind_of_file(path.name)
+    if kind == "table":
+        return _identity(_table_uses(path), path, kind)
+    if path.suffix.lower() in TIFF_SUFFIXES and open_frames(path, memory_limit=memory_limit).count > 1:
+        kind = "sequence"
+    if kind != "picture":
+        return _identity({"sequence" if kind == "sequence" else "": 1.0}, path, kind)
     levels, dots_per_inch = read_levels(path, memory_limit)
     guess = guess_subject(in_colour(levels))
     uses = {_OF_SUBJECT[subject]: share for subject, share in guess.subjects.items()}

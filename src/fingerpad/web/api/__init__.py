@@ -1,10 +1,6 @@
-"""The endpoints of the API, by what they are about."""
+"""The endpoints of the API, by what they are about: each module adds its own to the routers."""
 
-from typing import Final
-
-from fastapi import APIRouter
-
-from fingerpad.web.api import (
+from fingerpad.web.api import (  # noqa: F401
     contacts,
     corrections,
     downloads,
@@ -21,10 +17,6 @@ from fingerpad.web.api import (
     state,
     studies,
 )
+from fingerpad.web.api.base import here, router
 
-ROUTERS: Final[tuple[APIRouter, ...]] = (
-    *(studies.here, studies.router, state.router, images.router, scales.router, photographs.router),
-    *(contacts.router, sequences.router, corrections.router, results.here, results.router),
-    simulator.router,
-    *(figures.router, geometry.router, files.here, files.router, downloads.router, new_files.router),
-)
+__all__ = ["here", "router"]

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-from collections.abc import Callable, Coroutine
 from http import HTTPStatus
 from pathlib import PurePath
 from typing import Annotated, Any, Final, TypeAlias, TypeVar, cast
@@ -16,6 +15,7 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
 from pydantic_core import core_schema
 from starlette.exceptions import HTTPException
+from starlette.types import Message, Receive, Scope, Send
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
@@ -35,23 +35,15 @@ MEDIA_TYPES: Final = {
     ".png": "image/png",
     ".pdf": "application/pdf",
 }
-# Headers of what has another address once it changes.
+# Headers of what has another address once it changes, and of what keeps its own.
 IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
+ASK_AGAIN: Final = {"cache-control": "private, no-cache"}
 
 
 class Params(BaseModel):
     """Parameters of a request: no unknown key, and finite numbers only."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
-
-
-class FileParams(Params):
-    """A file of the study, by its name."""
-
-    file: Item
 
 
 class _Strictly:
@@ -72,69 +64,56 @@ class _Strictly:
 _P = TypeVar("_P", bound=Params)
 Body: TypeAlias = Annotated[_P, _Strictly()]
 Query: TypeAlias = Annotated[_P, fastapi.Query()]
-
+Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
 PointParam: TypeAlias = tuple[Pixel, Pixel]
-Person: TypeAlias = Annotated[str, Field(max_length=60)]
 
 
-class _LimitedRequest(Request):
-    """A request that reads a body of at most `BODY_LIMIT` bytes, and no more of a larger one."""
+class FileParams(Params):
+    """A file of the study, by its name."""
 
-    async def body(self) -> bytes:
-        """Return the body."""
-        if not hasattr(self, "_body"):
-            parts, size = [], 0
-            async for part in self.stream():
-                size += len(part)
-                if size > BODY_LIMIT:
-                    raise RequestError(
-                        HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
-                        f"more than {BODY_LIMIT} bytes: send less at once",
-                    )
-                parts.append(part)
-            self._body = b"".join(parts)
-        return self._body
+    file: Item
 
 
 class _Route(APIRoute):
-    """A route with a limit for the bodies that are read at once; streams have their own."""
+    """A route with a limit for the body that is read at once; streams have their own."""
 
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Return the handler."""
-        handler = super().get_route_handler()
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, and read no more of a body that is too large."""
+        size = 0
 
-        async def limited(request: Request) -> Response:
-            return await handler(_LimitedRequest(request.scope, request.receive))
+        async def limited() -> Message:
+            nonlocal size
+            message = await receive()
+            size += len(message.get("body", b""))
+            if size > BODY_LIMIT:
+                words = f"more than {BODY_LIMIT} bytes: send less at once"
+                raise RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, words)
+            return message
 
-        return limited
+        await super().handle(scope, limited if self.body_field else receive, send)
 
 
-def api_router(prefix: str) -> APIRouter:
-    """Return a router of the API."""
-    refused: dict[int | str, dict[str, Any]] = {
-        "4XX": {"model": Refusal, "description": "why the request failed"}
-    }
+def _router(prefix: str) -> APIRouter:
+    refused: dict[int | str, Any] = {"4XX": {"model": Refusal, "description": "why the request failed"}}
     return APIRouter(prefix=prefix, route_class=_Route, responses=refused)
 
 
-def study_router() -> APIRouter:
-    """Return a router of endpoints about the study that their path names."""
-    return api_router("/api/studies/{study}")
+# Of endpoints about the workspace, and about the study that their path names.
+here: Final = _router("/api")
+router: Final = _router("/api/studies/{study}")
 
 
-def _workspace(request: Request) -> Workspace:
+async def _workspace(request: Request) -> Workspace:
     return cast(Workspace, request.app.state.workspace)
 
 
-def _opened(study: str, request: Request) -> StudySession:
-    return _workspace(request).session(study)
+Here: TypeAlias = Annotated[Workspace, Depends(_workspace)]
 
 
-async def _here(request: Request) -> Workspace:
-    return _workspace(request)
+def _opened(study: str, workspace: Here) -> StudySession:
+    return workspace.session(study)
 
 
-Here: TypeAlias = Annotated[Workspace, Depends(_here)]
 Opened: TypeAlias = Annotated[StudySession, Depends(_opened)]
 
 
@@ -165,22 +144,29 @@ async def _failed(_: Request, error: Exception) -> Response:
     """
     if isinstance(error, ValidationError) or (isinstance(error, OSError) and not error.strerror):
         raise error
-    impossible = HTTPStatus.UNPROCESSABLE_ENTITY
-    if isinstance(error, ManifestError):
-        return _words(impossible, str(error), faults=manifest_errors(error))
+    words, more = f"this cannot be done ({type(error).__name__}: {error})", {}
     if isinstance(error, FingerpadError):
-        return _words(impossible, str(error))
-    if isinstance(error, OSError):
+        words = str(error)
+    elif isinstance(error, OSError):
         name = error.filename
         file = f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
-        return _words(impossible, f"{file}{error.strerror}")
-    return _words(impossible, f"this cannot be done ({type(error).__name__}: {error})")
+        words = f"{file}{error.strerror}"
+    if isinstance(error, ManifestError):
+        more["faults"] = [_fault(line) for line in words.splitlines()]
+    return _words(HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)
+
+
+def _fault(line: str) -> dict[str, str]:
+    """Return an error of a manifest, as ``FILE: PLACE: WORDS``, with its place."""
+    where, _, rest = line.partition(": ")
+    place, colon, words = rest.partition(": ")
+    return {"place": place, "words": words} if colon else {"place": "", "words": rest or where}
 
 
 async def _refused(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     if isinstance(error, RequestError):
-        return _words(error.status_code, error.words, **error.more)
+        return _words(error.status_code, error.detail, **error.more)
     return _words(error.status_code, f"{request.method} {request.url.path}: {error.detail}", error.headers)
 
 
@@ -189,15 +175,5 @@ async def _malformed(_: Request, error: Exception) -> Response:
     faults = [
         {"place": ".".join(map(str, fault["loc"][1:])), "words": fault["msg"]} for fault in error.errors()
     ]
-    words = "; ".join(": ".join(filter(None, (fault["place"], fault["words"]))) for fault in faults)
+    words = "; ".join(": ".join(filter(None, fault.values())) for fault in faults)
     return _words(HTTPStatus.BAD_REQUEST, words, faults=faults)
-
-
-def manifest_errors(error: ManifestError) -> list[dict[str, str]]:
-    """Return the errors of a manifest, each with its place."""
-    found = []
-    for line in str(error).splitlines():
-        where, _, rest = line.partition(": ")
-        place, colon, words = rest.partition(": ")
-        found.append({"place": place, "words": words} if colon else {"place": "", "words": rest or where})
-    return found

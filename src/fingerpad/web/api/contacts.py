@@ -42,7 +42,7 @@ from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
 from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity, quantities
-from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
@@ -50,8 +50,6 @@ from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession, contact_of_file
-
-router = study_router()
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50, lambda _: 1)

@@ -22,14 +22,12 @@ from fingerpad.study.corrections.log import (
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, PoolingCorrectionRecord
-from fingerpad.web.api.base import Body, Item, Opened, Params, Person, Query, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, Query, router
 from fingerpad.web.api.state import Review, review_record
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent
 from fingerpad.web.last_results import last_results
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
@@ -93,7 +91,7 @@ class StepParams(ItemParams):
     """Author of an undo or redo, and the last record that they have seen."""
 
     expected: _Seen
-    who: Person
+    who: Annotated[str, Field(max_length=60)]
 
 
 class ChangeParams(StepParams):

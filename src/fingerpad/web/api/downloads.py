@@ -14,13 +14,11 @@ from starlette.responses import FileResponse
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.share import Bundle, LeftOut, pack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import MEDIA_TYPES, Opened, saved_as, study_router
+from fingerpad.web.api.base import MEDIA_TYPES, Opened, router, saved_as
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 FilePath = Annotated[str, PathParameter(max_length=300)]
 

@@ -13,13 +13,11 @@ from fingerpad.figures.marks import Figure
 from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import MEDIA_TYPES, Opened, Params, Query, saved_as, study_router
+from fingerpad.web.api.base import MEDIA_TYPES, Opened, Params, Query, router, saved_as
 from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 # Settings of a figure that a request states as they are.

@@ -23,19 +23,16 @@ from fingerpad._files import sha256_of
 from fingerpad._tables import read_table
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.image import open_frames, read_image
-from fingerpad.study.imports.identify import USABLE_SUFFIXES
+from fingerpad.study.imports.identify import USABLE_SUFFIXES, kind_of_file
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.share import unpack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, FileParams, Here, Opened, Params, Query, api_router, study_router
+from fingerpad.web.api.base import Body, FileParams, Here, Opened, Params, Query, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
-from fingerpad.web.pictures import is_sequence, kind_of_file
+from fingerpad.web.pictures import is_sequence
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import NAME, name_of
-
-router = study_router()
-here = api_router("/api")
 
 FOLDER: Final = "uploads"
 # Hidden, so that its contents do not count as files of the study.

@@ -11,12 +11,10 @@ from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import Answer, Axis, Point3D, Quantity, semi_axes
-from fingerpad.web.api.base import Body, Opened, Params, study_router
+from fingerpad.web.api.base import Body, Opened, Params, router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 # Parametric angles u of the midline that are marked.
 _MARKED_DEG: Final = (0, 30, 45, 60, 90)

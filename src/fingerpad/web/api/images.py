@@ -8,10 +8,8 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, Query, study_router
+from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, Query, router
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
-
-router = study_router()
 
 _NO_CACHE: Final = {"cache-control": "private, no-cache"}
 

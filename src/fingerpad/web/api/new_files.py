@@ -25,11 +25,9 @@ from fingerpad.study.imports.identify import (
 from fingerpad.study.imports.names import FileValues, Use, match_file_names
 from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.web.answers import Answer, Face
-from fingerpad.web.api.base import Body, FileParams, Item, Opened, Params, Query, study_router
+from fingerpad.web.api.base import Body, FileParams, Item, Opened, Params, Query, router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
-
-router = study_router()
 
 NewFiles = Annotated[list[NewFile], Field(max_length=20_000)]
 # One at a time: together pictures could take more memory than the limit of each.

@@ -31,14 +31,12 @@ from fingerpad.study.measuring.fingers import (
     photograph_item,
 )
 from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantity, semi_axes
-from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)

@@ -31,14 +31,11 @@ from fingerpad.web.answers import (
     unit_of,
     with_unit,
 )
-from fingerpad.web.api.base import Opened, Params, Query, api_router, study_router
+from fingerpad.web.api.base import Opened, Params, Query, here, router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results, results_faults
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
-here = api_router("/api")
 
 _MOST_IN_QUESTION: Final = 200
 

@@ -13,12 +13,10 @@ from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.context import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web.answers import Answer, Point, Quantity
-from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 _FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
 

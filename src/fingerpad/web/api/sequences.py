@@ -15,11 +15,9 @@ from fingerpad.study.corrections.changes import PhaseStart
 from fingerpad.study.engine.task import in_study
 from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, Query, study_router
+from fingerpad.web.api.base import Opened, Params, Query, router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import frame_rows, last_results
-
-router = study_router()
 
 _STEPS: Final = 1000
 _SHIFTS: Final = 81

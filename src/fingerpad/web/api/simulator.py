@@ -14,12 +14,10 @@ from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, Query, saved_as, study_router
+from fingerpad.web.api.base import Opened, Params, Query, router, saved_as
 from fingerpad.web.api.results import require_results
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
-
-router = study_router()
 
 # The finger, its law, and the finite elements of its tissue or why there are none.
 _Simulated: TypeAlias = tuple[MeasuredPad, SimulatorLaw, FiniteElements | None, str]

@@ -31,6 +31,7 @@ from fingerpad.study.corrections.log import (
 )
 from fingerpad.study.editing.propose import NewFile, named_file, scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.imports.identify import kind_of_file
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy
 from fingerpad.study.manifest.models import Apparatus, Study, Surface, Uncertainty
@@ -41,13 +42,10 @@ from fingerpad.study.results.load import Results
 from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Axis, Face, Quantity, Status, semi_axes
-from fingerpad.web.api.base import Opened, Params, Query, study_router
+from fingerpad.web.api.base import Opened, Params, Query, router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import frame_rows, known_finger, last_results, results_faults
-from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
-
-router = study_router()
 
 
 def _or_null(value: Any, validated: ValidatorFunctionWrapHandler) -> Any:

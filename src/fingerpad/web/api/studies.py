@@ -21,14 +21,11 @@ from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, Face
-from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
 from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of
-
-router = study_router()
-here = api_router("/api")
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
