@@ -1,6 +1,7 @@
 """Folders for results, names and digests of files."""
 
 import hashlib
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -89,4 +90,7 @@ def content_stamp(path: Path) -> str:
 
 
 def _files(path: Path) -> list[Path]:
-    return sorted(item for item in path.iterdir() if item.is_file()) if path.is_dir() else [path]
+    if not path.is_dir():
+        return [path]
+    with os.scandir(path) as entries:  # which tells what is a file without asking for each
+        return [path / name for name in sorted(entry.name for entry in entries if entry.is_file())]

@@ -7,6 +7,7 @@ a picture are pairs (row, column) in pixels.
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 from pydantic import BaseModel, ConfigDict
@@ -82,6 +83,7 @@ def with_unit(words: str, unit: str) -> str:
     return f"{words}{'' if unit == '°' else ' '}{unit}" if unit else words
 
 
+@cache
 def unit_of(key: str) -> str:
     """Return the unit of a quantity, by the ending of its key."""
     return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "")

@@ -4,6 +4,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Annotated, Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
-from fingerpad.study.results.rows import PLACEMENT
+from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, GLOSSARY, Column, Row, items, records, with_areas
 from fingerpad.web.answers import (
@@ -262,28 +263,56 @@ def _column(column: Column) -> ColumnEntry:
     )
 
 
+# What is plotted against load.
+_PLOTTED: Final = (
+    *("radius_from_indentation_mm", "radius_from_compliance_mm", "gross_area_mm2", "aspect_ratio"),
+    *("indentation_mm", "youngs_modulus_kpa", "indentation_on_layer_mm", "youngs_modulus_on_layer_kpa"),
+)
+_ON_GIVEN_PAD: Final = "radius_from_indentation_mm_fixed_geometry"
+
+
+def _with_stds(names: Iterable[str]) -> list[str]:
+    """Return columns and those of their standard uncertainties."""
+    return [one for name in names for one in (name, f"{name}_std", f"{name}_total_std") if one in COLUMNS]
+
+
+# Columns of the standard uncertainty of another, the model's part in it where that is known.
+_STDS: Final = frozenset(stds[-1] for name in COLUMNS if (stds := _with_stds([name])[1:]))
+
+# What the plots take of a row.
+_OF_ROWS: Final = (
+    *(*PLACEMENT, "observation", "status", "frame", "load_N", "range_notes"),
+    *("pooled", "excluding_flags", "pooling_corrected_by", "pooling_reason"),
+    *(*_with_stds((*_PLOTTED, "semi_major_mm", "semi_minor_mm")), f"{_ON_GIVEN_PAD}_std"),
+)
+
+
 @router.get("/results/plot")
 def plot(opened: Opened) -> list[PlottedGroup]:
     """Return the data to plot for each finger and placement."""
     found = require_results(opened)
     active = opened.corrections.active_corrections()
-    return [_group(one, found.table, active) for one in found.summary.summaries]
+    placed: dict[PlacementKey, list[Row]] = {one.key: [] for one in found.summary.summaries}
+    # All at once: pandas takes longer to choose the rows of a placement than there is to do with them.
+    for row in records(with_areas(found.table[[*_OF_ROWS]])):
+        key = tuple(row[name] for name in PLACEMENT)
+        if key in placed:
+            placed[key].append(row)
+    return [_group(one, placed[one.key], active) for one in found.summary.summaries]
 
 
-def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
-    placement = zip(PLACEMENT, of.key, strict=True)
-    placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
-    rows = with_areas(table[placed & (table["status"].to_numpy() == "measured")])
-    rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
+def _group(of: PlacementRecord, placed: list[Row], active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
+    rows = [row for row in placed if row["status"] == "measured"]
+    rejected = sum(row["status"] == "rejected" and row["frame"] is None for row in placed)
     radius = of.validity.headlines[_PLOTTED[0]]
-    codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())
+    codes = Counter(code for row in rows for code in (row["range_notes"] or "").split())
     return PlottedGroup.of(
         of,
         figure=group_name(of.key),
-        pooling=_pooling(rows, int(rejected.sum()), active),
-        items=items(rows["observation"]),
-        load_N=items(rows["load_N"]),
-        pooled=items(rows["pooled"]),
+        pooling=_pooling(rows, rejected, active),
+        items=[row["observation"] for row in rows],
+        load_N=[row["load_N"] for row in rows],
+        pooled=[row["pooled"] for row in rows],
         points=_points(rows),
         doubts=[
             f"{codes[code]} of {len(rows)} contacts and frames: {flag.words}. To do: {flag.to_do}."
@@ -298,62 +327,41 @@ def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, Active
     )
 
 
-# What is plotted against load.
-_PLOTTED: Final = (
-    *("radius_from_indentation_mm", "radius_from_compliance_mm", "gross_area_mm2", "aspect_ratio"),
-    *("indentation_mm", "youngs_modulus_kpa", "indentation_on_layer_mm", "youngs_modulus_on_layer_kpa"),
-)
-
-
-_ON_GIVEN_PAD: Final = "radius_from_indentation_mm_fixed_geometry"
-
-
-def _with_stds(names: Iterable[str]) -> list[str]:
-    """Return columns and those of their standard uncertainties."""
-    return [one for name in names for one in (name, f"{name}_std", f"{name}_total_std") if one in COLUMNS]
-
-
-# Columns of the standard uncertainty of another, the model's part in it where that is known.
-_STDS: Final = frozenset(stds[-1] for name in COLUMNS if (stds := _with_stds([name])[1:]))
-
-
-def _points(rows: pd.DataFrame) -> dict[str, list[Quantity]]:
+def _points(rows: list[Row]) -> dict[str, list[Quantity]]:
     """Return what is plotted against load, by column; also the corrected radius on a given pad."""
-    points: dict[str, list[Quantity]] = {name: [] for name in (*_PLOTTED, _ON_GIVEN_PAD)}
-    for row in records(rows, *_with_stds(_PLOTTED), f"{_ON_GIVEN_PAD}_std"):
-        row[_ON_GIVEN_PAD] = row[_PLOTTED[0]]
-        for name, quantities in points.items():
-            quantities.append(Quantity.read(row.get, name, "mm" if name == _ON_GIVEN_PAD else None))
-    return points
+    points = {name: [Quantity.read(row.get, name) for row in rows] for name in _PLOTTED}
+    given = [{**row, _ON_GIVEN_PAD: row[_PLOTTED[0]]} for row in rows]
+    return points | {_ON_GIVEN_PAD: [Quantity.read(row.get, _ON_GIVEN_PAD, "mm") for row in given]}
 
 
-def _pooling(rows: pd.DataFrame, rejected: int, active: Mapping[str, ActiveCorrection]) -> Pooling:
+def _pooling(rows: list[Row], rejected: int, active: Mapping[str, ActiveCorrection]) -> Pooling:
     """Return how many measured rows are pooled, and the contacts that are not or about which there is a say.
 
     `rejected` is the number of the group's contacts that a person rejected.
     """
-    corrected = {name for name, one in active.items() if pooling_correction(one)}
-    framed = rows["frame"].notna()
-    contacts, frames = rows[~framed], rows[framed]
-    asked = contacts[
-        ~contacts["pooled"].astype(bool)
-        | contacts["excluding_flags"].fillna("").ne("")
-        | contacts["observation"].isin(corrected)
-    ]
+    contacts, frames = ([row for row in rows if (row["frame"] is None) is one] for one in (True, False))
+    corrections = {
+        item: pooling_correction(active.get(item)) for item in (row["observation"] for row in contacts)
+    }
+    asked = (
+        row
+        for row in contacts
+        if not row["pooled"] or row["excluding_flags"] or corrections[row["observation"]]
+    )
     return Pooling(
         contacts=len(contacts) + rejected,
-        contacts_pooled=int(contacts["pooled"].sum()),
+        contacts_pooled=sum(row["pooled"] for row in contacts),
         contacts_rejected=rejected,
         frames=len(frames),
-        frames_pooled=int(frames["pooled"].sum()),
+        frames_pooled=sum(row["pooled"] for row in frames),
         in_question=[
             PooledContact.of(
                 row,
                 item=row["observation"],
                 why=pooling_words(row),
-                correction=pooling_correction(active.get(row["observation"])),
+                correction=corrections[row["observation"]],
             )
-            for row in records(asked[:_MOST_IN_QUESTION])
+            for row in islice(asked, _MOST_IN_QUESTION)
         ],
     )
 
