@@ -217,6 +217,11 @@ _CURVE: Final = (
         "too few rows before contact to estimate a drift of the force",
         "record some 20 rows before the contact",
     ),
+    Flag(
+        "rounded_force",
+        "the force is rounded by more than its noise: equal readings before contact count as one",
+        "record the force with more digits, or in a smaller range of the sensor",
+    ),
     Flag("saturated_force", "rows at the sensor's limit are left out", "press less, or take a larger sensor"),
     Flag("duplicated_time", "rows of one time are spread evenly", "record the time with more digits"),
     Flag(

@@ -110,6 +110,28 @@ def test_saturated_rows_left_out_and_flagged() -> None:
     assert fit.modulus_load < 1.52
 
 
+@pytest.mark.parametrize("step", [0.02, 0.05])
+def test_a_rounded_force_is_right_within_its_uncertainty(step: float) -> None:
+    """Hertz's sphere of 12 mm and 60 kPa: every reading before contact is off by the same part of a step."""
+    rng = np.random.default_rng(4)
+    depth = np.arange(-2, 1.9, 0.02)
+    pressed, noise = np.maximum(depth, 0), rng.standard_normal((3, depth.size))
+    for zero in (np.arange(4) / 4 + 0.1) * step:
+        load = 4 / 3 * 0.06 / 0.75 * 12**0.5 * pressed**1.5 + zero + 0.0005 * noise[0]
+        curve = LoadingCurve(
+            load=step * np.round(load / step),
+            indentation=depth + 7.3 + 0.002 * noise[1],
+            area=np.where(depth > 0, np.pi * 12 * pressed + 0.5 * noise[2], 0),
+            time=depth / 2 + 1,
+        )
+        fit = fit_loading_curve(curve)
+        assert fit.flags == ("rounded_force",)
+        assert abs(fit.youngs_modulus.value - 0.06) < 3 * fit.youngs_modulus.std < 0.006
+        assert abs(fit.contact_offset.value - 7.3) < 3 * fit.contact_offset.std < 0.15
+    # At its limit the sensor stands still for longer than at a step.
+    assert "saturated_force" in fit_loading_curve(replace(curve, load=np.minimum(curve.load, 15 * step))).flags
+
+
 def test_no_baseline_is_flagged() -> None:
     start = find_cycles(CURVE)[0].loading.start + 60
     cut = LoadingCurve(

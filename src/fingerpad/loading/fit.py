@@ -285,7 +285,7 @@ def _main_fit(
         else:
             limits = (0.0, main.top_load)
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
-    if before < 2 and "no_baseline" not in press.flags:
+    if before < 2 and {"no_baseline", "rounded_force"}.isdisjoint(press.flags):
         doubts.append("no_baseline")
     return main, limits, doubts
 

@@ -469,7 +469,8 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     before = chosen.loading.start - begin
     rows = np.arange(begin, chosen.loading.stop)
     full = saturated_rows(curve, chosen.loading)
-    rows = rows[np.append(np.zeros(before, dtype=bool), full) == 0]
+    repeated = _repeated(curve.load[rows], before)
+    rows = rows[~np.append(repeated, full)]
     smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
     with_area = np.isin(rows, rows_in_contact(curve, chosen)) & (curve.area is not None)
     record = FitData(
@@ -483,18 +484,30 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
         tilt_std=_DRIFT * float(np.ptp(curve.load[rows]) / np.ptp(curve.clock[rows])),
     )
     _require_contact(record)
-    if rows.size - before < _MIN_LOADING:
+    loaded = np.count_nonzero(~full)
+    if loaded < _MIN_LOADING:
         raise FitError(
-            f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
+            f"{loaded} rows in contact while the load grows (saturated ones left out); at least "
             f"{_MIN_LOADING} are needed"
         )
     doubts = {
         "no_baseline": before < _ZERO_ROWS,
         "tilt_unknown": _ZERO_ROWS <= before < _TILT_ROWS,
+        "rounded_force": bool(repeated.any()),
         "saturated_force": bool(full.any()),
     }
     flags = (*(name for name, seen in doubts.items() if seen), *curve.doubts)
     return Press(record=record, cycles=cycles, baseline_rows=before, flags=flags)
+
+
+def _repeated(load: FloatArray, before: int) -> BoolArray:
+    """Return which rows before contact repeat a reading, where most of them do, and some in contact.
+
+    A force that is rounded by more than its noise is wrong in all of them by the same: they are one reading.
+    """
+    same = np.append(False, np.diff(load) == 0)
+    rounded = np.count_nonzero(same[:before]) > before / 2 and same[before:].any()
+    return same[:before] & rounded
 
 
 def start_values(press: Press, radius: float | None) -> dict[str, float]:
