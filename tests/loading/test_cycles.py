@@ -127,9 +127,10 @@ def test_a_rounded_force_is_right_within_its_uncertainty(step: float) -> None:
         fit = fit_loading_curve(curve)
         assert fit.flags == ("rounded_force",)
         assert abs(fit.youngs_modulus.value - 0.06) < 3 * fit.youngs_modulus.std < 0.006
-        assert abs(fit.contact_offset.value - 7.3) < 3 * fit.contact_offset.std < 0.15
+        assert abs(fit.contact_offset.value - 7.3) < 3 * fit.contact_offset.std < 0.2
     # At its limit the sensor stands still for longer than at a step.
-    assert "saturated_force" in fit_loading_curve(replace(curve, load=np.minimum(curve.load, 15 * step))).flags
+    clipped = replace(curve, load=np.minimum(curve.load, 15 * step))
+    assert "saturated_force" in fit_loading_curve(clipped).flags
 
 
 def test_no_baseline_is_flagged() -> None:

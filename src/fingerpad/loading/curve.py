@@ -383,13 +383,12 @@ def rows_in_contact(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:
 def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
     """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows.
 
-    A force that is rounded stands still at every step; at the limit it does so for several of them.
+    A force that is rounded stands still at every step; at the limit it does so for as long as at several.
     """
     load = curve.load[segment.rows]
     at_top = load == load.max()
-    below = load[~at_top]
-    usual = below.size / max(np.count_nonzero(np.diff(below)) + 1, 1)
-    many = at_top.sum() >= _SATURATED_ROWS * max(usual, 1.0)
+    step = max(np.count_nonzero(load == load[~at_top].max(initial=-np.inf)), 1)
+    many = np.count_nonzero(at_top) >= _SATURATED_ROWS * step
     return np.asarray(at_top & bool(many and np.ptp(curve.indentation[segment.rows][at_top]) > 0))
 
 
