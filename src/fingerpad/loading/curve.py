@@ -387,8 +387,8 @@ def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
     """
     load = curve.load[segment.rows]
     at_top = load == load.max()
-    step = max(np.count_nonzero(load == load[~at_top].max(initial=-np.inf)), 1)
-    many = np.count_nonzero(at_top) >= _SATURATED_ROWS * step
+    step = int(np.count_nonzero(load == load[~at_top].max(initial=-np.inf)))
+    many = int(at_top.sum()) >= _SATURATED_ROWS * max(step, 1)
     return np.asarray(at_top & bool(many and np.ptp(curve.indentation[segment.rows][at_top]) > 0))
 
 
