@@ -1,11 +1,11 @@
 """Contacts of a finger at one placement pooled: radii, quantities on its layer, exponent of the area."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple, Self
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from fingerpad._arrays import FloatArray, as_float_array
@@ -31,8 +31,6 @@ from fingerpad.study.results.model import (
 from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
 from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty import (
-    LAYER_SOURCES,
-    PAD_SOURCES,
     NestedScatter,
     Pooled,
     RandomEffects,
@@ -106,8 +104,9 @@ def area_noise(rows: pd.DataFrame) -> FloatArray:
     return as_float_array(np.where(np.isfinite(noise), noise, np.hypot(major, minor)))
 
 
-# Parts that a contact shares with no other, and parts of second order.
-_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE))
+# Sources that contacts share, parts that a contact shares with no other, and parts of second order.
+_SHARED: Final = (*OF_THE_PLACEMENT, *OF_THE_DEVICE, "thickness")
+_OWN: Final = ~np.isin(PART_SOURCES, _SHARED)
 _SECOND: Final = np.arange(PART_SOURCES.size) >= (PART_SOURCES.size - len(COMMON)) // 2
 
 
@@ -166,19 +165,17 @@ class PooledRadius:
         that their mean has the uncertainty of one frame, however many there are.
         """
         places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
-        parts = rows.parts[places, POOLED_OUTPUTS.index(output)]
+        parts, elongation_std = rows.parts[places, POOLED_OUTPUTS.index(output)], rows.elongation_std[places]
         bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
-        own_std = _own_std(parts, rows.elongation_std[places])
-        mean = mean_within(estimate, own_std)
-        value, own = mean(pooled[f"{output}_mm"].to_numpy()), mean(own_std)
-        own = np.maximum(own, np.spacing(value))
-        value -= (1 - pool_random_effects(value, own).weights) * mean(bias)
-        parts = np.stack([mean(part) for part in parts.T], axis=-1)
-        first = np.unique(estimate, return_index=True)[1]
+        first, second = (np.square(parts[:, _OWN & of]).sum(axis=-1) for of in (~_SECOND, _SECOND))
+        variance = np.sum(elongation_std**2)
+        slope = first.sum() / variance if variance > 0 else 0.0
+        own_std = np.sqrt(slope * elongation_std**2 + second)
+        seen = _Estimates(pooled, estimate, own_std, parts, PART_SOURCES)
+        value, shared = seen.mean(pooled[f"{output}_mm"].to_numpy()), seen.shared
+        own = np.maximum(seen.own_std, np.spacing(value))
+        value -= (1 - pool_random_effects(value, own).weights) * seen.mean(bias)
         last = estimate.size - 1 - np.unique(estimate[::-1], return_index=True)[1]
-        shared = shared_errors(
-            parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled["scale"].to_numpy()[first]
-        )
         random = pool_random_effects(value, own, shared)
         variances = shared.variances(random.weights)
         exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
@@ -187,56 +184,55 @@ class PooledRadius:
             fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
             fixed=pool(value, own, shared),
             scatter=nested_scatter(value, {"load": pooled["load_N"].to_numpy()[last]}, least_freedom=(1, 1)),
-            budget=_budget(random, variances, parts[:, _OWN], own),
+            budget=seen.budget(random.weights, random.total_std, float(random.weights**2 @ own**2)),
         )
 
 
-def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
-    """Return the standard uncertainty from contacts' own errors, with one slope for all of them."""
-    variance = np.sum(elongation_std**2)
-    slope = np.sum(parts[:, _OWN & ~_SECOND] ** 2) / variance if variance > 0 else 0.0
-    return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
+class _Estimates:
+    """What is pooled: one estimate of each contact, or of all frames of a sequence."""
 
+    def __init__(
+        self,
+        rows: pd.DataFrame,
+        estimate: Indices,
+        own_std: FloatArray,
+        parts: FloatArray,
+        sources: npt.NDArray[np.str_],
+    ) -> None:
+        weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
+        self._estimate, self._weights = estimate, weights / np.bincount(estimate, weights)[estimate]
+        self.own_std, parts = self.mean(own_std), np.stack([self.mean(part) for part in parts.T], axis=-1)
+        self._variances = {
+            source: np.square(parts[:, sources == source]) for source in dict.fromkeys(sources.tolist())
+        }
+        # Of the placement all share the same, of scale and edge those of one scale or device.
+        is_shared, scales = np.isin(sources, _SHARED), rows["scale"].iloc[np.unique(estimate, True)[1]]
+        groups = {
+            "image scale": numbered((row,) if name is None else name for row, name in enumerate(scales)),
+            "contact edge": numbered(scales),
+        }
+        shared, everything = sources[is_shared].tolist(), np.zeros(len(parts), dtype=np.intp)
+        self.shared = SharedErrors(
+            sources=tuple(shared),
+            parts=parts[:, is_shared],
+            groups=np.stack([groups.get(source, everything) for source in shared], axis=-1),
+        )
 
-def mean_within(estimate: Indices, own_std: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """Return the mean over the rows of each estimate, weighted by their own errors where they are several."""
-    weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
-    weights /= np.bincount(estimate, weights)[estimate]
-    return lambda of: as_float_array(np.bincount(estimate, weights * of))
+    def mean(self, of: FloatArray) -> FloatArray:
+        """Return the mean over the rows of each estimate, weighted by their own errors."""
+        return as_float_array(np.bincount(self._estimate, self._weights * of))
 
-
-def shared_errors(parts: FloatArray, sources: Sequence[str], scales: Iterable[str | None]) -> SharedErrors:
-    """Return what estimates share: of the placement all, of scale and edge those of one scale or device."""
-    scales = list(scales)
-    scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
-    groups = {"image scale": scale, "contact edge": numbered(scales)}
-    everything = np.zeros(len(parts), dtype=np.intp)
-    return SharedErrors(
-        sources=tuple(sources),
-        parts=parts,
-        groups=np.stack([groups.get(source, everything) for source in sources], axis=-1),
-    )
-
-
-def _budget(
-    pooled: RandomEffects, shared: Mapping[str, float], own_parts: FloatArray, own_std: FloatArray
-) -> dict[str, float]:
-    """Return the share of each source in the variance of the pooled value."""
-    own = pooled.weights**2 @ own_parts**2
-    total = own.sum()
-    own *= pooled.weights**2 @ own_std**2 / total if total > 0 else 1.0
-    variance = {
-        source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum()))
-        for source in (*PAD_SOURCES, *COMMON)
-        if source not in COMMON or shared[source]
-    }
-    variance["scatter"] = max(0.0, pooled.total_std**2 - sum(variance.values()))
-    total = sum(variance.values())
-    return {source: each / total if total > 0 else each for source, each in variance.items()}
-
-
-# Parts that a contact shares with no other.
-_OWN_ON_LAYER: Final = ~np.isin(LAYER_PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE, "thickness"))
+    def budget(self, weights: FloatArray, std: float, own_variance: float | None = None) -> dict[str, float]:
+        """Return each source's share in a pooled value's variance; `own_variance` is of what none share."""
+        variance = {source: float(np.sum(weights**2 @ each)) for source, each in self._variances.items()}
+        shared = self.shared.variances(weights)
+        total = sum(each for source, each in variance.items() if source not in shared)
+        factor = own_variance / total if own_variance is not None and total > 0 else 1.0
+        variance = {source: shared.get(source, factor * each) for source, each in variance.items()}
+        variance = {source: each for source, each in variance.items() if each or source not in COMMON}
+        variance["scatter"] = max(0.0, std**2 - sum(variance.values()))
+        total = sum(variance.values())
+        return {source: each / total if total > 0 else 0.0 for source, each in variance.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -257,30 +253,14 @@ class PooledOnLayer(LayerQuantity):
         unit, factor = unit_of(output)
         pooled, estimate = pooled[known], numbered(estimate[known])
         parts = factor * of_all[POOLED_ON_LAYER.index(output)][known]
-        own_std = np.sqrt(np.sum(parts[:, _OWN_ON_LAYER] ** 2, axis=-1))
-        mean = mean_within(estimate, own_std)
-        value, parts = (
-            mean(pooled[f"{output}_{unit}"].to_numpy()),
-            np.stack(list(map(mean, parts.T)), axis=-1),
-        )
-        first = np.unique(estimate, return_index=True)[1]
-        sources = LAYER_PART_SOURCES[~_OWN_ON_LAYER].tolist()
-        shared = shared_errors(parts[:, ~_OWN_ON_LAYER], sources, pooled["scale"].iloc[first])
-        found = pool(value, proportional_stds(value, mean(own_std)), shared)
-        variance = dict.fromkeys(LAYER_SOURCES, 0.0) | {
-            source: each
-            for source, each in shared.variances(found.weights).items()
-            if source not in COMMON or each
-        }
-        for source in np.unique(LAYER_PART_SOURCES[_OWN_ON_LAYER]).tolist():
-            own = parts[:, _OWN_ON_LAYER & (source == LAYER_PART_SOURCES)]
-            variance[source] = float(np.sum(found.weights**2 @ own**2))
-        variance["scatter"] = max(0.0, found.total_std**2 - sum(variance.values()))
-        total = sum(variance.values())
+        own_std = np.sqrt(np.sum(parts[:, ~np.isin(LAYER_PART_SOURCES, _SHARED)] ** 2, axis=-1))
+        seen = _Estimates(pooled, estimate, own_std, parts, LAYER_PART_SOURCES)
+        value = seen.mean(pooled[f"{output}_{unit}"].to_numpy())
+        found = pool(value, proportional_stds(value, seen.own_std), seen.shared)
         return cls(
             value=found.value,
             std=found.total_std,
-            budget={source: each / total if total else 0.0 for source, each in variance.items()},
+            budget=seen.budget(found.weights, found.total_std),
             birge_ratio=found.birge_ratio,
             count=found.count,
         )

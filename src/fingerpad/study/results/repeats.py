@@ -22,7 +22,7 @@ from fingerpad.study.results.model import STATED_APART, contact_inputs
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
-from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED
+from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
 from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads, too_few_repeats
@@ -68,10 +68,14 @@ def contact_repeatability(
     """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
     known = {False: _Repeats(), True: _Repeats()}
     plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
-    repeated = iter(_repeated(study, seen))
+    placed = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg) for one in study.observations}
+    # Where no finger has two observations at one placement nothing need be read.
+    has_repeats = not study.observations or len(placed) < len(study.observations)
+    repeated = takewhile(lambda one: has_repeats and isinstance(one[0], Observation), seen)
     while batch := list(islice(repeated, _AT_ONCE)):
         pooled: dict[bool, list[tuple[Observation, Measurement]]] = {False: [], True: []}
         for contact, measured in batch:
+            assert isinstance(contact, Observation)
             finger = fingers[contact.finger]
             excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
             if is_pooled(measured, excluding):
@@ -79,20 +83,6 @@ def contact_repeatability(
         for synthetic, some in pooled.items():
             known[synthetic].add(study, fingers, some)
     return {synthetic: repeats.scatter() for synthetic, repeats in known.items()}
-
-
-def _repeated(
-    study: Study, seen: Iterable[tuple[Contact, Measurement]]
-) -> Iterable[tuple[Observation, Measurement]]:
-    """Yield observations, none if no finger has two at one placement: then nothing need be read."""
-    placed = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg) for one in study.observations}
-    if study.observations and len(placed) == len(study.observations):
-        return ()
-    return (
-        (contact, measured)
-        for contact, measured in takewhile(lambda one: isinstance(one[0], Observation), seen)
-        if isinstance(contact, Observation)
-    )
 
 
 class _Repeats:
@@ -192,12 +182,8 @@ def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
     if quantity == "ridge_area":
         merged = [RIDGES_MERGE in (flags or "").split() for flags in items(rows["flags"])]
         return np.where(merged, np.nan, rows["ridge_area_mm2"].to_numpy())
-    names = {
-        "youngs_modulus": "youngs_modulus_kpa",
-        "aspect_ratio": "aspect_ratio",
-        "radius_from_indentation": "radius_from_indentation_mm",
-    }
-    return as_float_array(rows[names[quantity]].to_numpy())
+    columns = {"youngs_modulus": MODULUS, "radius_from_indentation": RADIUS}
+    return as_float_array(rows[columns.get(quantity, quantity)].to_numpy())
 
 
 def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: NestedScatter) -> str:
@@ -326,11 +312,20 @@ def _at_load(
     finger, wedge, roll, synthetic = key
     count = len(set(items(rows["session"])))
 
-    def sessions(quantity: str) -> tuple[int, ScatterComponent | None]:
+    def mean(
+        name: str,
+        quantity: str,
+        values: FloatArray,
+        parts: Mapping[str, FloatArray],
+        total: FloatArray,
+        *,
+        model: float = math.nan,
+    ) -> dict[str, float]:
         found = between.get((quantity, synthetic))
-        return count, found if found is not None and found.known else None
+        freedom = float(repeatability.freedom) if repeatability.known else math.inf
+        sessions = count, found if found is not None and found.known else None
+        return _mean(values, parts, total, freedom, sessions, name=name, model=model)
 
-    freedom = float(repeatability.freedom) if repeatability.known else math.inf
     area = contact_quantity(rows, "contact_area")
     own = {part: rows[f"gross_area_mm2_{part}_std"].to_numpy() for part in ("noise", "edge")}
     by_image = np.isfinite(rows["gross_area_mm2"].to_numpy())
@@ -339,14 +334,13 @@ def _at_load(
     noise = np.where(by_image, own["noise"], ellipse)
     total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), ellipse)
     repeats = area * repeatability.area_std
-    of_area = _mean(
-        area,
-        {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
-        as_float_array(np.hypot(total, repeats)),
-        freedom,
-        sessions("contact_area"),
-        name="contact_area_mm2",
-    )
+    # Of a finger without semi-axes no modulus is known.
+    known = rows[:0] if np.isnan(rows[MODULUS].to_numpy()).any() else rows
+    layered = rows[np.isin(rows.index, of.pooled)]
+    places, output = np.searchsorted(of.pooled, layered.index.to_numpy()), POOLED_ON_LAYER.index(_ON_LAYER)
+    variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
+    in_range = np.isfinite(variances).all(axis=-1)
+    layered, variances = layered[in_range], variances[in_range]
     return AtLoadRecord(
         finger=finger,
         wedge_angle_deg=wedge,
@@ -355,53 +349,35 @@ def _at_load(
         load_N=float(np.mean(rows["load_N"].to_numpy())),
         contacts=len(rows),
         sessions=count,
-        **of_area,
-        **_by_hertz(rows, freedom, sessions("youngs_modulus"), validity),
+        **mean(
+            "contact_area_mm2",
+            "contact_area",
+            area,
+            {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
+            as_float_array(np.hypot(total, repeats)),
+        ),
+        **mean(
+            MODULUS,
+            "youngs_modulus",
+            known[MODULUS].to_numpy(),
+            {part: known[f"{MODULUS}_{part}_std"].to_numpy() for part in _PARTS},
+            known[f"{MODULUS}_std"].to_numpy(),
+            model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
+        ),
         youngs_modulus_kpa_verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
-        **_on_layer(of, rows, freedom, sessions("youngs_modulus")),
+        **mean(
+            f"{_ON_LAYER}_kpa",
+            "youngs_modulus",
+            layered[f"{_ON_LAYER}_kpa"].to_numpy(),
+            {
+                part: np.sqrt(variances[:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
+                for part, sources in STATED_APART.items()
+            },
+            np.sqrt(variances.sum(axis=-1)),
+        ),
         youngs_modulus_on_layer_kpa_verdict=validity.on_layer.verdict
         if validity and validity.on_layer
         else "",
-    )
-
-
-def _by_hertz(
-    rows: pd.DataFrame,
-    freedom: float,
-    sessions: tuple[int, ScatterComponent | None],
-    validity: ValidityRecord | None,
-) -> dict[str, float]:
-    """Pool Young's modulus by Hertz theory; nothing of a finger without semi-axes."""
-    rows = rows[:0] if np.isnan(contact_quantity(rows, "youngs_modulus")).any() else rows
-    return _mean(
-        contact_quantity(rows, "youngs_modulus"),
-        {part: rows[f"{MODULUS}_{part}_std"].to_numpy() for part in _PARTS},
-        rows[f"{MODULUS}_std"].to_numpy(),
-        freedom,
-        sessions,
-        name=MODULUS,
-        model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
-    )
-
-
-def _on_layer(
-    of: Rows, rows: pd.DataFrame, freedom: float, sessions: tuple[int, ScatterComponent | None]
-) -> dict[str, float]:
-    """Pool Young's modulus on the layer over the rows in the range of its laws."""
-    rows = rows[np.isin(rows.index, of.pooled)]
-    places, output = np.searchsorted(of.pooled, rows.index.to_numpy()), POOLED_ON_LAYER.index(_ON_LAYER)
-    variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
-    known = np.isfinite(variances).all(axis=-1)
-    return _mean(
-        rows[known][f"{_ON_LAYER}_kpa"].to_numpy(),
-        {
-            part: np.sqrt(variances[known][:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
-            for part, sources in STATED_APART.items()
-        },
-        np.sqrt(variances[known].sum(axis=-1)),
-        freedom,
-        sessions,
-        name=f"{_ON_LAYER}_kpa",
     )
 
 

@@ -28,6 +28,7 @@ from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRe
 from fingerpad.study.results.table import COLUMNS, Indices, Row
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
+    CHECKS,
     HEADLINES,
     HERTZ_EXPONENT,
     HOLDS,
@@ -40,7 +41,6 @@ from fingerpad.study.results.validity.model_checks import (
     ROUTES,
     SAME_LOAD,
     STRAINED_BELOW_P,
-    UNITS,
     FingerAtAngle,
     ValidityCheck,
     judge_together,
@@ -54,13 +54,6 @@ from fingerpad.uncertainty.repeats import ContactRepeatability
 from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"
-_OVER_LOADS: Final = {
-    name: ValidityCheck(check=name, compared=words, headlines=(MODULUS, INDENTATION))
-    for name, words in (
-        (GROWTH, "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory"),
-        (AREA_FALLS, "area over that at a lower load, where it falls most significantly"),
-    )
-}
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
 _EFFECT_ON: Final = "E"
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
@@ -78,28 +71,24 @@ class _Areas(NamedTuple):
 
 def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the checks of areas over loads."""
-    seen = _areas_of(case)
-    if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
-        why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
-        yield from (check.untested(why) for check in _OVER_LOADS.values())
-        return
-    yield _growth(seen)
-    yield _largest_fall(seen)
-
-
-def _areas_of(case: FingerAtAngle) -> _Areas:
     rows = case.loaded.sort_values("load_N", kind="stable")
     # An error of the load is one of the area that belongs to it.
     load_std = HERTZ_EXPONENT * case.study.uncertainty.load_relative_std
     # Another press has another area; the frames of a sequence are one press.
     press_std = np.where(rows["sequence"].isna(), case.press_std, 0.0)
-    return _Areas(
+    seen = _Areas(
         load=np.log(rows["load_N"].to_numpy()),
         area=np.log(np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()),
         own=np.maximum(np.sqrt(area_noise(rows) ** 2 + load_std**2 + press_std**2), _LEAST_STD),
         edges=edges_of(rows),
         item=items_of(rows),
     )
+    if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
+        why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
+        yield from (CHECKS[name].untested(why) for name in (GROWTH, AREA_FALLS))
+        return
+    yield _growth(seen)
+    yield _largest_fall(seen)
 
 
 def _growth(seen: _Areas) -> ValidityCheck:
@@ -112,7 +101,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
         scatters = presses.scatter_std > presses.own_std
         own = max(presses.scatter_std, presses.own_std) ** 2
     std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
-    return _OVER_LOADS[GROWTH].of_difference(
+    return CHECKS[GROWTH].of_difference(
         (value, std),
         HERTZ_EXPONENT,
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
@@ -147,28 +136,21 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     std = np.sqrt(seen.own[lower] ** 2 + seen.own[upper] ** 2 + shared)
     worst = int(np.argmin(grown / np.maximum(std, np.finfo(float).tiny))) if grown.size else -1
     if worst < 0 or grown[worst] >= 0:
-        return _OVER_LOADS[AREA_FALLS].with_fields(
+        return CHECKS[AREA_FALLS].with_fields(
             verdict=HOLDS, note="no area is smaller than one at a lower load"
         )
     deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
     change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
     ratio = math.exp(grown[worst])
-    return (
-        _OVER_LOADS[AREA_FALLS]
-        .with_fields(
-            value=ratio,
-            value_std=ratio * float(std[worst]),
-            reference=1.0,
-            reference_std=0.0,
-            difference=ratio - 1.0,
-            relative_difference=math.expm1(change),
-            difference_of=_EFFECT_ON,
-            relative_std=-_OF_MODULUS * float(std[worst]),
-            deviations=deviations,
-            p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
-            note=f"from {_range(*ends)}",
-        )
-        .judged()
+    return CHECKS[AREA_FALLS].compared_with(
+        (ratio, ratio * float(std[worst])),
+        (1.0, 0.0),
+        relative_difference=math.expm1(change),
+        difference_of=_EFFECT_ON,
+        relative_std=-_OF_MODULUS * float(std[worst]),
+        deviations=deviations,
+        p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
+        note=f"from {_range(*ends)}",
     )
 
 
@@ -202,25 +184,7 @@ def _by_level(seen: _Areas) -> _Areas:
     )
 
 
-_SHAPE: Final = ValidityCheck(
-    check="shape",
-    compared="length along the finger over that across, and of Hertz theory for the pad",
-    headlines=HEADLINES,
-)
 _NO_DIRECTION: Final = "the contact's direction is not known: only its aspect ratio is compared"
-_OF_SIZE: Final = {
-    kind: {
-        name: ValidityCheck(
-            check=f"{name.rsplit('_', 1)[0]}_on_{kind}",
-            compared=f"{symbol} of Hertz theory and the whole pad on {words}",
-            headlines=of,
-            unit=UNITS[name],
-        )
-        # A/(πξ) is as wrong as ξ.
-        for name, symbol, of in ((MODULUS, "E", (MODULUS,)), (INDENTATION, "ξ", (INDENTATION, RADIUS)))
-    }
-    for kind, words in (("half_space", "a half-space"), ("layer", "tissue over bone"))
-}
 _VALUES: Final = ("value", "reference", "difference")
 # Sizes of the contact, from small to its own, at which the error is known or not.
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
@@ -273,16 +237,11 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
     )
 
 
-def contact_shape_check(case: FingerAtAngle) -> ValidityCheck:
-    """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
-    shape = measured_shape(case)
-    return _SHAPE.untested(case.nothing) if shape is None else shape.against(shape.predicted, _SHAPE)
-
-
 def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
     row, thickness = case.highest_row, case.pad.effective_thickness or case.pad.pad_thickness
-    for kind, checks in _OF_SIZE.items():
+    for kind in ("half_space", "layer"):
+        checks = {name: CHECKS[f"{name.rsplit('_', 1)[0]}_on_{kind}"] for name in (MODULUS, INDENTATION)}
         if row is None or (kind == "layer" and thickness is None):
             why = case.nothing if row is None else "no thickness of the tissue is stated"
             yield from (check.untested(why) for check in checks.values())
@@ -329,25 +288,11 @@ def _errors(
         yield found.with_fields(**dict.fromkeys(_VALUES, math.nan)) if flag else found
 
 
-_CHECKS: Final = {
-    name: ValidityCheck(check=ROUTES[name], compared=words, headlines=(name,), unit=UNITS[name])
-    for name, words in (
-        (RADIUS, "A/(πξ) of Hertz theory for the pad, and R_g from loading data"),
-        (MODULUS, "E from load and area, and from load and indentation"),
-        (INDENTATION, "ξ from the area, and of the loading data"),
-    )
-}
 _TAKEN_AS_EXACT: Final = "R_g has no stated uncertainty and is taken as exact"
 _SAME_COMPARISON: Final = "from area and R_g, so the same comparison as that of the radius"
 # Loads at which a curve is compared, relative to its highest.
 _SMALLEST_LOAD, _LARGEST_LOAD = 0.1, 1.05
 _LAW_POINTS: Final = 400
-
-
-def loading_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
-    """Yield the comparisons of images with loading data."""
-    yield _radius_check(case)
-    yield from _curve_checks(case) if case.fits else _from_loading_radius(case)
 
 
 def _without(std: float, part: float) -> float:
@@ -365,12 +310,12 @@ def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
 def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     loading, pooled = case.loading, case.summary.compliance_radius
     if loading is None or pooled is None:
-        return _CHECKS[RADIUS].untested(case.no_loading_radius if loading is None else case.nothing)
+        return CHECKS[ROUTES[RADIUS]].untested(case.no_loading_radius if loading is None else case.nothing)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
-    return _CHECKS[RADIUS].of_ratio(
+    return CHECKS[ROUTES[RADIUS]].of_ratio(
         (factor * pooled.value, factor * pooled.std),
         reference,
         log_std=_shared_scale_std(case, loading, pooled.std / pooled.value, reference[1]),
@@ -395,7 +340,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     # For one area and load ξ goes with 1/R and E with R.
     for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
-            yield _CHECKS[name].untested(case.no_loading_radius if loading is None else case.nothing)
+            yield CHECKS[ROUTES[name]].untested(case.no_loading_radius if loading is None else case.nothing)
             continue
         radius = row["geometric_radius_from_compliance_mm"]
         relative = row["geometric_radius_from_compliance_mm_std"] / radius
@@ -403,7 +348,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         value, std = row[name], row[f"{name}_std"]
         reference = value * (loading.value / radius) ** power
         of_area = _without(std / value, relative)
-        yield _CHECKS[name].of_ratio(
+        yield CHECKS[ROUTES[name]].of_ratio(
             (value, std),
             (reference, reference * math.hypot(of_area, other)),
             log_std=math.hypot(relative, other),
@@ -418,7 +363,7 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     inside = case.summary.where(case.summary.column("pooled") & under)
     if inside.empty or not case.pad.has_semi_axes:
         why = "no contact under a load of the curves" if case.pad.has_semi_axes else case.nothing
-        yield from (_CHECKS[name].untested(why) for name in (MODULUS, INDENTATION))
+        yield from (CHECKS[ROUTES[name]].untested(why) for name in (MODULUS, INDENTATION))
         return
     repeats = _one_of_each(inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()])
     common = math.exp(np.log(repeats["load_N"].to_numpy()).mean())
@@ -446,10 +391,10 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         ),
     ):
         if math.isnan(log_reference):
-            yield _CHECKS[name].untested(f"{NO_AREAS}, which E needs")
+            yield CHECKS[ROUTES[name]].untested(f"{NO_AREAS}, which E needs")
             continue
         other = math.exp(log_reference)
-        yield _CHECKS[name].of_ratio(
+        yield CHECKS[ROUTES[name]].of_ratio(
             value,
             (other, other * log_std),
             note=f"at {common:.3g} N",
@@ -508,24 +453,6 @@ def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
     return pooled.value, math.hypot(pooled.total_std, pooled.between_std)
 
 
-_ON_LAYER: Final = ("loading_radius_on_layer_mm", "youngs_modulus_on_layer_kpa", "indentation_on_layer_mm")
-_LAYER_RADIUS: Final = ValidityCheck(
-    check="loading_radius_on_layer",
-    compared="A/(πξ) on the layer, and R_g from loading data",
-    headlines=_ON_LAYER[:1],
-    unit="mm",
-)
-_LAYER_MODULUS: Final = ValidityCheck(
-    check="modulus_on_layer",
-    compared="E on the layer from load and area, and from load and indentation",
-    headlines=_ON_LAYER[1:],
-    unit="kPa",
-)
-_LAYER_SHAPE: Final = ValidityCheck(
-    check="shape_on_layer",
-    compared="length along the finger over that across, and of the pad on the layer",
-    headlines=_ON_LAYER,
-)
 # A larger radius makes E from the area larger and E from the indentation smaller; thicker tissue makes both
 # larger.
 _OPPOSITE: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
@@ -546,11 +473,11 @@ def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator
 
 def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityCheck:
     if case.loading is None:
-        return _LAYER_RADIUS.untested(case.no_loading_radius)
+        return CHECKS["loading_radius_on_layer"].untested(case.no_loading_radius)
     found = layer.at_highest_load["loading_radius_on_layer"]
     (value, std), note = without_misfit(case.loading)
     std = math.hypot(std, _READING * value)
-    return _LAYER_RADIUS.of_ratio(
+    return CHECKS["loading_radius_on_layer"].of_ratio(
         (found.value, found.std),
         (value, std),
         log_std=_shared_scale_std(case, case.loading, found.std / found.value, std),
@@ -568,7 +495,7 @@ def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[Cu
     ]
     if not by_curve:
         why = "in the range of the laws" if case.fits else "of this finger at this angle"
-        return _LAYER_MODULUS.untested(f"no loading curve {why}")
+        return CHECKS["modulus_on_layer"].untested(f"no loading curve {why}")
     own, first = layer.at_highest_load["youngs_modulus_on_layer"], by_curve[0]
     values, stds = (
         np.log([one.value for one in by_curve]),
@@ -580,7 +507,7 @@ def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[Cu
     shared -= case.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
     variance = (own.std / own.value) ** 2 + std**2 + 2 * shared
     value = math.exp(log_value)
-    return _LAYER_MODULUS.of_ratio(
+    return CHECKS["modulus_on_layer"].of_ratio(
         (own.value, own.std),
         (value, value * std),
         log_std=math.sqrt(max(variance, 0.0)),
@@ -595,7 +522,7 @@ def _relative(quantity: LayerQuantity, source: str) -> float:
 def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     shape, row, pad = measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
-        return _LAYER_SHAPE.untested(case.nothing)
+        return CHECKS["shape_on_layer"].untested(case.nothing)
     form = law_form(
         plate_gap(pad_placement(pad.semi_axes, row["wedge_angle_deg"], row["roll_angle_deg"])),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
@@ -604,7 +531,7 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     )
     ratio = float(form.semi_major / form.semi_minor)
     predicted = math.log(ratio if form.along else 1 / ratio)
-    return shape.against(predicted, _LAYER_SHAPE)
+    return shape.against(predicted, CHECKS["shape_on_layer"])
 
 
 _NOT_ESTIMATED = "not estimated: no loading data to compare with"
@@ -646,7 +573,14 @@ def validity_of(
 
 def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
-    found = (*loading_checks(case), contact_shape_check(case), *area_checks(case), *size_checks(case))
+    shape, check = measured_shape(case), CHECKS["shape"]
+    found = (
+        _radius_check(case),
+        *(_curve_checks(case) if case.fits else _from_loading_radius(case)),
+        check.untested(case.nothing) if shape is None else shape.against(shape.predicted, check),
+        *area_checks(case),
+        *size_checks(case),
+    )
     # R_g alone makes one comparison of three.
     return judge_together(found, same=() if case.fits else tuple(ROUTES.values()))
 

@@ -1,13 +1,14 @@
 """Whether a model holds: comparisons of two ways to a quantity, known errors, and by how much it is wrong."""
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Final, NamedTuple, Self
 
 import pandas as pd
 from pydantic import Field
 from scipy import special
 
+from fingerpad._csv import package_table
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
@@ -58,6 +59,12 @@ class ValidityCheck(CheckRecord):
         """Return the check without data."""
         return self.with_fields(unit="", note=why)
 
+    def compared_with(self, value: tuple[float, float], reference: tuple[float, float], **found: Any) -> Self:
+        """Return the check of a value against another, each with its uncertainty, with its verdict."""
+        names = ("value", "value_std", "reference", "reference_std")
+        values = dict(zip(names, (*value, *reference), strict=True))
+        return self.with_fields(**values, difference=value[0] - reference[0], **found).judged()
+
     def of_ratio(
         self,
         value: tuple[float, float],
@@ -74,18 +81,15 @@ class ValidityCheck(CheckRecord):
         spread = math.hypot(value[1] / value[0], reference[1] / reference[0]) if log_std is None else log_std
         ratio = math.log(value[0] / reference[0])
         deviations = _deviations(ratio, spread)
-        return self.with_fields(
-            value=value[0],
-            value_std=value[1],
-            reference=reference[0],
-            reference_std=reference[1],
-            difference=value[0] - reference[0],
+        return self.compared_with(
+            value,
+            reference,
             relative_difference=math.expm1(ratio),
             relative_std=spread,
             deviations=deviations,
             p_value=p_value_of(deviations),
             note=note,
-        ).judged()
+        )
 
     def of_difference(
         self,
@@ -104,19 +108,16 @@ class ValidityCheck(CheckRecord):
         """
         difference = value[0] - reference
         deviations = _deviations(difference, value[1])
-        return self.with_fields(
-            value=value[0],
-            value_std=value[1],
-            reference=reference,
-            reference_std=0.0,
-            difference=difference,
+        return self.compared_with(
+            value,
+            (reference, 0.0),
             relative_difference=math.expm1(effect * difference),
             difference_of=effect_on,
             relative_std=abs(effect) * value[1],
             deviations=deviations,
             p_value=p_value_of(deviations, degrees_of_freedom),
             note=note,
-        ).judged()
+        )
 
     def of_known_error(self, value: float, reference: float, note: str) -> Self:
         """Compare a model with a better one on the same data: a known error, without a probability."""
@@ -188,10 +189,7 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
 
 def verdict_of_error(relative_error: float) -> str:
     """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %."""
-    size = abs(relative_error)
-    if math.isnan(size):
-        return NOT_TESTED
-    return FAILS if size > FAILS_ABOVE else STRAINED if size > STRAINED_ABOVE else HOLDS
+    return NOT_TESTED if math.isnan(relative_error) else verdict_of(0.0, relative_error)
 
 
 def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float:
@@ -222,7 +220,11 @@ ROUTES: Final = {
     MODULUS: "modulus_against_curve",
     INDENTATION: "indentation_against_curve",
 }
-UNITS: Final = {RADIUS: "mm", MODULUS: "kPa", INDENTATION: "mm"}
+# All checks, without what comes of them.
+CHECKS: Final = {
+    line["check"]: ValidityCheck.model_validate({**line, "headlines": line["headlines"].split()})
+    for line in package_table("fingerpad.study.results.validity", "checks.csv")
+}
 
 HERTZ_EXPONENT: Final = 2 / 3
 # Loads are the same where their ratio is above this.
@@ -275,7 +277,14 @@ class FingerAtAngle(NamedTuple):
             highest_row=highest
             and first_record(summary.where(summary.column("observation") == highest.observation)),
             loading=loading_radius(curves, summary.finger_and_wedge),
-            fits=tuple(_fits(curves, summary)),
+            # Of curves on which the place of contact was found.
+            fits=tuple(
+                one.fit
+                for one in curves
+                if one.fit is not None
+                and one.manifest.finger_and_wedge == summary.finger_and_wedge
+                and 0 < one.fit.contact_offset.std < math.inf
+            ),
             loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
             press_std=press_std,
         )
@@ -289,13 +298,3 @@ class FingerAtAngle(NamedTuple):
     def nothing(self) -> str:
         """Why there is no contact with a radius."""
         return NOTHING_COUNTS if self.pad.has_semi_axes else NO_SEMI_AXES
-
-
-def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
-    """Yield the fits of the loading curves of a finger at its angle that found the place of contact."""
-    for curve in curves:
-        fit = curve.fit
-        if fit is None or curve.manifest.finger_and_wedge != of.finger_and_wedge:
-            continue
-        if 0 < fit.contact_offset.std < math.inf:
-            yield fit
