@@ -19,7 +19,7 @@ from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest.models import Curve, Observation
+from fingerpad.study.manifest.models import Curve, Observation, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.results.pooling import pool_contacts
@@ -189,7 +189,7 @@ def _curve(
     header = "time_s,force_N,displacement_mm,area_mm2"
     np.savetxt(folder / "curve.csv", record, delimiter=",", header=header, comments="")
     curve = Curve(finger="f", wedge_angle_deg=wedge, file="curve.csv")
-    return curve_result(curve, Ellipsoid(*axes), 0.5, folder)
+    return curve_result(curve, Ellipsoid(*axes), 0.5, folder, scale=None, given=Uncertainty())
 
 
 @dataclass(slots=True)

@@ -120,8 +120,6 @@ HEAD = "force_N,displacement_mm\n"
         (None, "--cycle 7", "cycle"),
         (None, "--area-delay-s-std 1", "goes with --area-delay-s"),
         (None, "--wedge-deg 30", "go with --semi-axes-mm"),
-        (None, "--poisson-ratio-std 0.02", "go with --semi-axes-mm"),
-        (None, "--load-relative-std 0.02", "go with --semi-axes-mm"),
         (None, "--thickness-mm 6 --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30", "give one of them"),
         (None, "--law ogden", "no contact law 'ogden'"),
         (None, "--law laws.csv:ogden", "cannot be imported"),

@@ -344,6 +344,17 @@ def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted):
     assert after.std == pytest.approx(before.std, rel=1e-2)
 
 
+def test_moduli_of_curves_are_as_uncertain_as_the_gain_of_the_force_and_poissons_ratio(tmp_path, fitted):
+    write_curve(tmp_path / "0.csv", seed=0)
+    stated = study(tmp_path, on_half_space("0.csv"), load_gain_relative_std=0.03, poisson_ratio_std=0.03)
+    # E goes with the force, and at ν = 1/2 as 1 − ν² does: -4/3 times ν.
+    of = {"loading_radius": 0, "reduced_modulus": 0.03, "youngs_modulus": 0.05, "initial_modulus": 0.05}
+    for name, added in of.items():
+        before, after = (getattr(one.fit, name) for one in (fitted[0], stated.curves[0]))
+        assert after.value == before.value
+        assert np.sqrt(after.std**2 - before.std**2) / after.value == pytest.approx(added, abs=1e-6), name
+
+
 def test_curves_of_one_scale_do_not_average_its_error_out(fitted):
     pooled = loading_radius([fitted[1], fitted[4]], ("f", 30.0, False))
     assert pooled is not None

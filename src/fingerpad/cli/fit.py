@@ -96,10 +96,10 @@ def fit(
         float, Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
     ] = 0.0,
     poisson_ratio_std: Annotated[
-        float, Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio, for the layer.")
+        float, Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio.")
     ] = 0.0,
     load_relative_std: Annotated[
-        float, Option(min=0, max=1, help="Of the force's scale, relative, for the layer.")
+        float, Option(min=0, max=1, help="Relative, of all forces alike, as of the sensor's gain.")
     ] = 0.0,
     area_relative_std: Annotated[
         float | None,
@@ -134,12 +134,8 @@ def fit(
 
     if semi_axes_mm is not None and thickness is not None:
         raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
-    of_the_layer = wedge_deg or pad_radius_mm_std or poisson_ratio_std or load_relative_std
-    if of_the_layer and semi_axes_mm is None:
-        raise LoadingError(
-            "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
-            "--semi-axes-mm"
-        )
+    if (wedge_deg or pad_radius_mm_std) and semi_axes_mm is None:
+        raise LoadingError("--wedge-deg and --pad-radius-mm-std go with --semi-axes-mm")
     columns = options.columns_of(column, "time", "force", "displacement", "area")
     with columns_named_by(options.column_flags):
         record = fp.read_loading_curve(curve, columns)
@@ -153,6 +149,8 @@ def fit(
         "contact_point": contact_point,
         "fit_load_range": None if load_range_n is None else _loads(load_range_n),
         "thickness": thickness,
+        "load_relative_std": load_relative_std,
+        "poisson_ratio_std": poisson_ratio_std,
     }
     try:
         found = fp.fit_loading_curve(record, law=law, **of_half_space, **asked)

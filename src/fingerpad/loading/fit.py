@@ -25,6 +25,7 @@ from fingerpad.loading.joint import (
     JointFit,
     Press,
     bounded,
+    check_std,
     determined,
     fixed_quantities,
     known_quantities,
@@ -86,6 +87,8 @@ def fit_loading_curve(
     area_delay: float | Estimate | None = None,
     thickness: float | Estimate | None = None,
     area_relative_std: float = 0.0,
+    load_relative_std: float = 0.0,
+    poisson_ratio_std: float = 0.0,
     law: str | ContactLaw | None = None,
 ) -> LoadingFit:
     """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
@@ -119,6 +122,9 @@ def fit_loading_curve(
         as thick as it is indented, is one of the explanations.
     area_relative_std : float
         Relative standard uncertainty of the areas that is common to all of them, as of their scale.
+    load_relative_std, poisson_ratio_std : float
+        Relative standard uncertainty of the forces that is common to all of them, as of the sensor's gain,
+        and standard uncertainty of ν. Those of the moduli contain them.
     law : str or ContactLaw, optional
         A contact law to fit as well and to compare with ours: one's own (`contact_law`) or its name, also as
         ``my_laws.py:ogden``; or ``jkr``, which is fitted to the way out.
@@ -153,6 +159,8 @@ def fit_loading_curve(
             "LoadingCurve(load=…, indentation=…) takes arrays in N and mm"
         )
     _require_options(poisson_ratio, contact_point)
+    check_std("load_relative_std", load_relative_std)
+    check_std("poisson_ratio_std", poisson_ratio_std)
     chosen = None if law is None else find_law(law)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
         known_parts = known_quantities(
@@ -170,6 +178,13 @@ def fit_loading_curve(
         models = _models(main)
         known = press.record.area.size > 0 or loading_radius is not None
         found, added = _quantities(compared, models, known=known)
+        of_poisson_ratio = 2 * poisson_ratio / (1 - poisson_ratio**2) * poisson_ratio_std
+        for name, std in (
+            ("reduced_modulus", load_relative_std),
+            ("youngs_modulus", math.hypot(load_relative_std, of_poisson_ratio)),
+            ("initial_modulus", math.hypot(load_relative_std, of_poisson_ratio)),
+        ):
+            found[name] = found[name].over(Estimate.symmetric(1.0, std))
         of_force = _force_doubts(
             models, relaxes=_relaxation_note(curve, press, cycle, compared, found["load_exponent"])
         )

@@ -281,7 +281,7 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
 
 
 def _of_curves(study: FinishedStudy) -> Iterator[Value]:
-    whose = _owners(study)
+    whose, gain = _owners(study), study.summary.load_gain_relative_std
     for curve in study.summary.curves:
         for quantity, key in _FROM_CURVES.items() if curve.fit else ():
             yield Value(
@@ -291,6 +291,7 @@ def _of_curves(study: FinishedStudy) -> Iterator[Value]:
                 roll_angle_deg=0.0,
                 value=getattr(curve.fit, key),
                 std=getattr(curve.fit, f"{key}_std"),
+                gain_std=gain * getattr(curve.fit, key) if quantity == "initial_modulus_kpa" else 0.0,
                 source=curve.file or "",
                 velocity_mm_per_s=curve.velocity_mm_per_s,
             )

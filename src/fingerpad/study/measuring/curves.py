@@ -189,7 +189,7 @@ def _record(
     given: Uncertainty,
     scale: FoundScale | str | None,
 ) -> Record:
-    found = curve_result(curve, pad, poisson_ratio, folder, scale)
+    found = curve_result(curve, pad, poisson_ratio, folder, scale=scale, given=given)
     if (
         found.curve is not None
         and found.curve.area is not None
@@ -216,7 +216,9 @@ def curve_result(
     pad: Ellipsoid | None,
     poisson_ratio: float,
     folder: Path,
-    scale: FoundScale | str | None = None,
+    *,
+    scale: FoundScale | str | None,
+    given: Uncertainty,
 ) -> CurveResult:
     """Read and fit one loading curve; one that cannot be used costs itself only.
 
@@ -242,6 +244,8 @@ def curve_result(
             fit_load_range=None
             if curve.fit_load_range_N is None
             else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
+            load_relative_std=given.load_gain_relative_std,
+            poisson_ratio_std=given.poisson_ratio_std,
             **known,
             **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
         )

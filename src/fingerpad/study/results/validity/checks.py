@@ -373,13 +373,14 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         repeats["geometric_radius_from_area_mm"].to_numpy()
         / repeats["geometric_radius_from_compliance_mm"].to_numpy()
     )
-    reference = _at_load(case.fits, common, factor * float(of_ellipse.mean()))
-    load_std = case.study.uncertainty.load_relative_std
+    given = case.study.uncertainty
+    load_std, gain_std = given.load_relative_std, given.load_gain_relative_std
+    reference = _at_load(case.fits, common, factor * float(of_ellipse.mean()), gain_std)
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
     )
     # The gain of the force is the same in both moduli, and in the load at which the curve is read.
-    modulus_std = _without(modulus_std, case.study.uncertainty.load_gain_relative_std * modulus)
+    modulus_std = _without(modulus_std, gain_std * modulus)
     indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
     for name, value, (log_reference, log_std) in (
         (MODULUS, (factor * modulus, factor * modulus_std), reference.modulus),
@@ -423,8 +424,11 @@ class _Reference(NamedTuple):
     modulus: tuple[float, float]
 
 
-def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Reference:
-    """Return ξ and E of some loading curves at a load; how far curves differ is part of the uncertainty."""
+def _at_load(fits: Sequence[LoadingFit], load: float, factor: float, gain_std: float) -> _Reference:
+    """Return ξ and E of some loading curves at a load, without the uncertainty of the force's gain.
+
+    How far curves differ is part of their uncertainty.
+    """
     found = []
     for fit in fits:
         law, offset = fit.models["load_dependent"], fit.contact_offset
@@ -437,7 +441,8 @@ def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Referen
         if radius.known and top.known:
             e = 0.75 * KPA_PER_MPA * factor * load / (math.sqrt(radius.value) * xi**1.5)
             more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
-            at_top = _without(top.std, fit.misfit_std["reduced_modulus"]) / top.value
+            common_std = math.hypot(fit.misfit_std["reduced_modulus"], gain_std * top.value)
+            at_top = _without(top.std, common_std) / top.value
             modulus = math.log(e), math.hypot(at_top, more)
         found.append((math.log(xi), place_std / xi, *modulus))
     xi_values, xi_stds, moduli, modulus_stds = np.transpose(found)
