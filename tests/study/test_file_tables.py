@@ -132,7 +132,7 @@ def test_join_lists_what_is_unmatched_and_what_is_named_twice():
         "file,load\nA (1).PNG,1\nb,2\nb.tif,3\nc_0.5N,4\nd,5\nD.png,6\nnowhere.png,7\n,8"
     )
     found = join_files(table, files)
-    loads = {file: values["load_N"] for file, values in found.values.items()}
+    loads = {file: row.values["load_N"] for file, row in found.rows.items()}
     assert loads == {"uploads/a-1.png": 1, "uploads/b.tif": 3, "uploads/c_0.5N.png": 4}
     assert [row.line for row in found.rows_without_file] == [3, 6, 7, 8, 9]  # b is two files, d two rows
     assert found.files_without_row == ["uploads/b.png", "uploads/d.png"]

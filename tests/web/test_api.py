@@ -15,7 +15,7 @@ from tests.web.test_files import upload
 
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_coin
-from fingerpad.web import last_results, study_session
+from fingerpad.web import study_session
 from fingerpad.web.workspace import Workspace
 
 PRINT = "synthetic_30deg_2N"
@@ -133,7 +133,7 @@ def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
 def test_a_step_of_a_drag_checks_no_result_file(done, monkeypatch):
     assert done.ask("state")["results"]["there"]  # checked once for each result set
     checks = []
-    monkeypatch.setattr(last_results, "quick_faults", lambda *_: checks.append(1) or [])
+    monkeypatch.setattr(study_session, "quick_faults", lambda *_: checks.append(1) or [])
     answer = done.tell("measure/contact", item=PRINT, change={"threshold": 100})
     assert answer["model"]["verdicts"]
     assert not checks
@@ -163,17 +163,16 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     assert axes_of(one["finger"])["palmar"] == pytest.approx(7.9, rel=0.02)
     assert one["finger"]["degrees_of_freedom"] == 3
     assert one["finger"]["disagree"] is False
-    centre, across, along = (one["handles"][key] for key in ("centre_px", "across_end_px", "along_end_px"))
+    centre, across, along = one["handles_px"]
     assert math.dist(centre, across) * one["mm_per_px"] == pytest.approx(axes_of(one)["radial_ulnar"])
-    dragged = measured(standing, PHOTO, "photograph", handles=one["handles"])
+    dragged = measured(standing, PHOTO, "photograph", handles_px=one["handles_px"])
     assert dragged["by"] == "manual"
     assert axes_of(dragged) == pytest.approx(axes_of(one))
     assert dragged["ellipse_px"]["tilt_deg"] == pytest.approx(one["ellipse_px"]["tilt_deg"], abs=1e-6)
     stored = measured(standing, PHOTO, "photograph", change={"ellipse_px": dragged["ellipse_px"]})
     assert axes_of(stored) == pytest.approx(axes_of(one))
     along[0] -= 20
-    handles = one["handles"] | {"along_end_px": along}
-    longer = measured(standing, PHOTO, "photograph", handles=handles, with_finger=True)
+    longer = measured(standing, PHOTO, "photograph", handles_px=[centre, across, along], with_finger=True)
     assert axes_of(longer["finger"])["distal"] > axes_of(one["finger"])["distal"]
 
 

@@ -137,11 +137,11 @@ def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[d
             f"{sheet}, line {row.line}: no one file is called {row.file!r}"
             for row in joined.rows_without_file
         ]
-        if joined.values:
-            read[sheet] = f"what it states of {counted(len(joined.values), 'file')}"
-        for file, values in joined.values.items():
+        if joined.rows:
+            read[sheet] = f"what it states of {counted(len(joined.rows), 'file')}"
+        for file, row in joined.rows.items():
             new, guess = found[file]
-            taken, problem = stated_values(new, values, ())
+            taken, problem = stated_values(new, row.values, ())
             if problem:
                 problems.append(f"{file}: {problem}")
             found[file] = with_guessed_scale(replace(new, **taken), guess), guess

@@ -8,13 +8,16 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
+from http import HTTPStatus
 from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 from pydantic import BaseModel, ConfigDict
+from starlette.exceptions import HTTPException
 
 from fingerpad._arrays import FloatArray
 from fingerpad._json import dumps
 from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
+from fingerpad.study.corrections.log import ActiveCorrection
 
 Point: TypeAlias = tuple[float, float]
 Point3D: TypeAlias = tuple[float, float, float]
@@ -139,6 +142,51 @@ class Refusal(Answer):
     error: str
     faults: list[Fault] = []
     digest: str | None = None
+
+
+class RequestError(HTTPException):
+    """A request that failed: words of what is wrong and what to do, and further keys of the answer."""
+
+    def __init__(self, status: HTTPStatus, words: str, **more: Any) -> None:
+        super().__init__(status, words)
+        self.more = more
+
+    @classmethod
+    def not_there(cls, words: str) -> "RequestError":
+        """Return the error that something does not exist."""
+        return cls(HTTPStatus.NOT_FOUND, words)
+
+    @classmethod
+    def conflict(cls, words: str, **more: Any) -> "RequestError":
+        """Return the error that another request came first."""
+        return cls(HTTPStatus.CONFLICT, words, **more)
+
+    @classmethod
+    def impossible(cls, words: str, **more: Any) -> "RequestError":
+        """Return the error that a valid request cannot be done."""
+        return cls(HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)
+
+
+class Review(Answer):
+    """What a person did to an item."""
+
+    corrected: bool
+    accepted: bool
+    rejected: str | None
+    who: str | None
+
+
+def review_of(correction: ActiveCorrection | None) -> dict[str, Any]:
+    """Return the content of a `Review`."""
+    if correction is None:
+        return {"corrected": False, "accepted": False, "rejected": None, "who": None}
+    change = correction.change
+    return {
+        "corrected": bool(change.edits),
+        "accepted": change.accepted,
+        "rejected": change.rejected,
+        "who": correction.who,
+    }
 
 
 class PoolingCorrectionRecord(Answer):

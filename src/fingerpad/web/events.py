@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from threading import Lock
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal, TypeAlias
 
 from fastapi.sse import ServerSentEvent
 
@@ -15,6 +15,8 @@ _MAX_WAITING: Final = 200
 
 class RunStatus(Answer):
     """Progress of a run; `version` rises with each change, so that a page can ignore older answers."""
+
+    event: ClassVar = "run"
 
     state: Literal["idle", "running", "cancelling", "done", "cancelled", "failed"] = "idle"
     phase: Literal["measuring", "tables", "report"] | None = None
@@ -31,23 +33,23 @@ class RunStatus(Answer):
 
 
 class StudyEvent(Answer):
-    """Event ``study``: the manifest has changed."""
+    """The manifest has changed."""
+
+    event: ClassVar = "study"
 
     digest: str
 
 
 class CorrectionsEvent(Answer):
-    """Event ``corrections``: an item was corrected."""
+    """An item was corrected."""
+
+    event: ClassVar = "corrections"
 
     item: str
     last_id: int
 
 
-_NAMES: Final[dict[type[Answer], str]] = {
-    StudyEvent: "study",
-    CorrectionsEvent: "corrections",
-    RunStatus: "run",
-}
+Event: TypeAlias = StudyEvent | CorrectionsEvent | RunStatus
 
 
 class Events:
@@ -57,9 +59,9 @@ class Events:
         self._listeners: dict[asyncio.Queue[ServerSentEvent | None], asyncio.AbstractEventLoop] = {}
         self._lock = Lock()
 
-    def send(self, event: Answer) -> None:
+    def send(self, event: Event) -> None:
         """Send an event to all listeners."""
-        self._put_all(ServerSentEvent(event=_NAMES[type(event)], raw_data=dumps(event)))
+        self._put_all(ServerSentEvent(event=event.event, raw_data=dumps(event)))
 
     def end(self) -> None:
         """Disconnect all listeners, so that the server can stop."""

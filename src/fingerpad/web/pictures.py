@@ -1,32 +1,30 @@
-"""Previews and thumbnails of images of any depth, made on request and cached."""
+"""Pixels, previews and thumbnails of images of any depth, made on request and cached."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import Event, Lock, RLock
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import cv2
-import numpy as np
 import numpy.typing as npt
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.levels import reduced, stretched
-from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
-from fingerpad.web.errors import RequestError
+from fingerpad.web.answers import RequestError
 
-THUMBNAIL_PX: Final = 192
-PREVIEW_PX: Final = 2048
-_DECODED_BYTES: Final = 400_000_000
+_DECODED_BYTES: Final = 800_000_000
 _ENCODED_BYTES: Final = 100_000_000
-_SEQUENCE_SUFFIXES: Final = VIDEO_SUFFIXES | TIFF_SUFFIXES
-_JPEG: Final = [cv2.IMWRITE_JPEG_QUALITY, 90]
-_WEBP: Final = [cv2.IMWRITE_WEBP_QUALITY, 75]
-_PNG: Final = [cv2.IMWRITE_PNG_COMPRESSION, 1]
+# By media type, the ending of a file of that type, and how it is encoded.
+_ENCODINGS: Final = {
+    "image/jpeg": (".jpg", [cv2.IMWRITE_JPEG_QUALITY, 90]),
+    "image/webp": (".webp", [cv2.IMWRITE_WEBP_QUALITY, 75]),
+    "image/png": (".png", [cv2.IMWRITE_PNG_COMPRESSION, 1]),
+}
 
 Kept = TypeVar("Kept")
 
@@ -52,6 +50,11 @@ class ImageLocation:
             raise RequestError.not_there(f"{self.path.name}: the file is no longer there") from error
         return str(path), self.frame, status.st_size, status.st_mtime_ns, status.st_ino
 
+    @property
+    def shown(self) -> "ImageLocation":
+        """What is shown of it: of a file that may be a sequence the first frame."""
+        return ImageLocation(self.path, frame=0) if self.colour and is_sequence(self.path) else self
+
 
 @lru_cache(maxsize=8)
 def _frame_files(folder: Path, _changed_ns: int) -> list[Path]:
@@ -62,7 +65,7 @@ def _frame_files(folder: Path, _changed_ns: int) -> list[Path]:
 class Cache(Generic[Kept]):
     """A cache of the values used last, up to a total size; concurrent requests make a value once."""
 
-    def __init__(self, limit: int, size: Callable[[Kept], int]) -> None:
+    def __init__(self, limit: int, size: Callable[[Kept], int] = lambda _: 1) -> None:
         self._limit, self._size = limit, size
         self._kept: OrderedDict[Hashable, Kept] = OrderedDict()
         self._making: dict[Hashable, Event] = {}
@@ -95,64 +98,51 @@ class Cache(Generic[Kept]):
 
 
 class Pictures:
-    """The images of the open study."""
+    """The images of all studies.
+
+    `memory_limit` is the most bytes that reading and measuring one may take, as for `read_image`.
+    """
 
     def __init__(self, memory_limit: int) -> None:
-        self._memory_limit = memory_limit
-        self._decoded: Cache[Picture] = Cache(_DECODED_BYTES, lambda picture: picture.pixels.nbytes)
-        self._colours: Cache[npt.NDArray[np.uint8]] = Cache(_DECODED_BYTES, lambda pixels: pixels.nbytes)
+        self.memory_limit = memory_limit
+        self._decoded: Cache[npt.NDArray[Any]] = Cache(_DECODED_BYTES, lambda pixels: pixels.nbytes)
         self._encoded: Cache[bytes] = Cache(_ENCODED_BYTES, len)
         # One at a time: together they could take more than the limit of each.
         self._decoding = RLock()
 
-    def grey(self, place: ImageLocation) -> Picture:
+    def pixels(self, place: ImageLocation) -> npt.NDArray[Any]:
+        """Return an image as it is measured: a photograph in colour, any other in grey levels."""
+        with self._decoding:
+            return self._decoded.get((place.stamp, place.colour), lambda: self._read(place))
+
+    def grey(self, place: ImageLocation) -> npt.NDArray[Any]:
         """Return an image in grey levels, as for contact images."""
-        with self._decoding:
-            return self._decoded.get(place.stamp, lambda: self._read(place))
+        return self.pixels(replace(place, colour=False))
 
-    def colour(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
-        """Return an image in colour, as for photographs."""
-        with self._decoding:
-            return self._colours.get(
-                place.stamp, lambda: read_colour_image(place.path, memory_limit=self._memory_limit)
-            )
-
-    def _read(self, place: ImageLocation) -> Picture:
+    def _read(self, place: ImageLocation) -> npt.NDArray[Any]:
+        if place.colour:
+            return read_colour_image(place.path, memory_limit=self.memory_limit)
         if place.frame is None:
-            return read_image(place.path, memory_limit=self._memory_limit)
-        frame = open_frames(place.path, memory_limit=self._memory_limit).at(place.frame)
+            return read_image(place.path, memory_limit=self.memory_limit).pixels
+        frame = open_frames(place.path, memory_limit=self.memory_limit).at(place.frame)
         if frame.pixels is None:
             raise ImageError(frame.reason or f"frame {place.frame} cannot be read")
-        return Picture(pixels=frame.pixels, dots_per_inch=None)
+        return frame.pixels
 
-    def shown(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
-        """Return an image in 8 bits, in colour where that matters."""
-        if place.colour and not is_sequence(place.path):
-            return self.colour(place)
-        if place.colour:
-            place = ImageLocation(place.path, frame=0)
-        return stretched(self.grey(place).pixels)
+    def encoded(self, place: ImageLocation, media_type: str, longest_px: int) -> bytes:
+        """Return an image as it is shown, of at most `longest_px` on its longer side."""
+        ending, options = _ENCODINGS[media_type]
 
-    def preview(self, place: ImageLocation, longest_px: int) -> tuple[bytes, str]:
-        """Return a preview and its media type: photographs as JPEG, other images as PNG."""
-        kind, ending, options = ("image/jpeg", ".jpg", _JPEG) if place.colour else ("image/png", ".png", _PNG)
-        return self._drawn(place, longest_px, ending, options), kind
-
-    def thumbnail(self, place: ImageLocation) -> bytes:
-        """Return a thumbnail as WebP."""
-        return self._drawn(place, THUMBNAIL_PX, ".webp", _WEBP)
-
-    def _drawn(self, place: ImageLocation, longest_px: int, ending: str, options: list[int]) -> bytes:
-        def draw() -> bytes:
-            pixels = reduced(self.shown(place), longest_px)
-            done, drawn = cv2.imencode(ending, pixels[..., ::-1] if pixels.ndim == 3 else pixels, options)
+        def encode() -> bytes:
+            pixels = reduced(stretched(self.pixels(place.shown)), longest_px)
+            done, encoded = cv2.imencode(ending, pixels[..., ::-1] if pixels.ndim == 3 else pixels, options)
             if not done:
                 raise ImageError(f"{place.path.name}: cannot be encoded")
-            return drawn.tobytes()
+            return encoded.tobytes()
 
-        return self._encoded.get((place.stamp, longest_px, ending), draw)
+        return self._encoded.get((place.stamp, media_type, longest_px), encode)
 
 
 def is_sequence(path: Path) -> bool:
     """Tell whether a file may hold many frames, by its name."""
-    return path.is_dir() or path.suffix.lower() in _SEQUENCE_SUFFIXES
+    return path.is_dir() or path.suffix.lower() in VIDEO_SUFFIXES | TIFF_SUFFIXES

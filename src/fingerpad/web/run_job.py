@@ -3,16 +3,14 @@
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Final
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
 from fingerpad.study.engine.runner import Progress
-from fingerpad.study.pipeline import Draw
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.web.errors import RequestError
+from fingerpad.web.answers import RequestError
 from fingerpad.web.events import Events, RunStatus
 
 _INTERVAL_S: Final = 0.2
@@ -21,9 +19,9 @@ _DRAWING: Final = Lock()
 _ACTIVE: Final = frozenset(("running", "cancelling"))
 
 
-def _write_report(result: StudyResult, folder: Path, draw: Draw, on_drawn: Callable[[str], None]) -> None:
+def _write_report(*args: Any) -> None:
     with _DRAWING:
-        write_report(result, folder, draw, on_drawn)
+        write_report(*args)
 
 
 class RunJob:
@@ -34,16 +32,14 @@ class RunJob:
         self._now = RunStatus()
         self._started = self._sent_at = 0.0
         self._before = 0
-        self._stop = Event()
-        self._lock = Lock()
+        self._stop, self._lock = Event(), Lock()
         self._thread: Thread | None = None
 
     def describe(self) -> RunStatus:
         """Return the status of the run."""
         with self._lock:
-            now = self._now
-        active = now.state in _ACTIVE
-        return RunStatus.of(now, seconds=time.monotonic() - self._started if active else now.seconds)
+            active = {"seconds": time.monotonic() - self._started} if self._now.state in _ACTIVE else {}
+            return RunStatus.of(self._now, **active)
 
     def start(self, run: Callable[..., StudyResult], when_done: Callable[[], None]) -> RunStatus:
         """Start a run: `run_study` with the study and the options."""
@@ -79,10 +75,9 @@ class RunJob:
         except KeyboardInterrupt:
             end = {"state": "cancelled"}
         except (FingerpadError, OSError) as error:
-            end = {"state": "failed", "error": str(error)}
+            end["error"] = str(error)
         except Exception as error:  # a bug: the terminal shows the traceback
-            words = f"the run ended with a fault ({type(error).__name__}: {error})"
-            end = {"state": "failed", "error": words}
+            end["error"] = f"the run ended with a fault ({type(error).__name__}: {error})"
             raise
         finally:
             with suppress(Exception):
@@ -90,30 +85,25 @@ class RunJob:
             end |= {"phase": None, "current": "", "file": "", "seconds": time.monotonic() - self._started}
             self._set(**end, due=True)
 
-    def _check_cancelled(self) -> None:
-        if self._stop.is_set():
-            raise KeyboardInterrupt
-
     def _progress(self, now: Progress) -> None:
         """Record the progress of the run, and stop it if it was cancelled."""
         if now.status == "written":
-            if now.item in {"tables", "report"}:
-                self._set(phase=now.item, due=True)
-            self._set(current=now.item, file="")
-            self._check_cancelled()
-            return
-        if now.status == "started":
-            self._before = now.pictures
-        gone, new = time.monotonic() - self._started, now.pictures - self._before
-        self._set(
-            total=now.total,
-            done=now.pictures,
-            failed=now.failed,
-            current=now.item,
-            file=now.file,
-            seconds_left=gone / new * (now.total - now.pictures) if new else None,
-        )
-        self._check_cancelled()
+            phase = {"phase": now.item} if now.item in {"tables", "report"} else {}
+            self._set(current=now.item, file="", **phase, due=bool(phase))
+        else:
+            if now.status == "started":
+                self._before = now.pictures
+            gone, new = time.monotonic() - self._started, now.pictures - self._before
+            self._set(
+                total=now.total,
+                done=now.pictures,
+                failed=now.failed,
+                current=now.item,
+                file=now.file,
+                seconds_left=gone / new * (now.total - now.pictures) if new else None,
+            )
+        if self._stop.is_set():
+            raise KeyboardInterrupt
 
     def _set(self, *, due: bool = False, **changes: Any) -> None:
         """Change the status, and send it where that is due, or none was sent for a while."""

@@ -19,7 +19,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from fingerpad.web.errors import RequestError
+from fingerpad.web.answers import RequestError
 
 START: Final = "/start"
 _LOOPBACK: Final = frozenset(("127.0.0.1", "localhost", "::1"))

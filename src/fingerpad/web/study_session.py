@@ -1,5 +1,6 @@
-"""The open study: its current manifest, items, images and results."""
+"""An open study: its current manifest, items, images and results."""
 
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -8,15 +9,17 @@ from threading import Lock
 from typing import Any, Final, TypeAlias, TypeVar, cast
 from urllib.parse import quote
 
+import numpy as np
+
 from fingerpad._files import digest_of
-from fingerpad.exceptions import ImageError, ManifestError
-from fingerpad.image import Frame, open_frames
+from fingerpad.exceptions import FingerpadError, ImageError, ManifestError
+from fingerpad.image import open_frames
 from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
     CorrectionLog,
     parts_of_item,
-    sequence_of_phases,
+    picture_digest,
 )
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
@@ -41,8 +44,17 @@ from fingerpad.study.manifest.models import (
     ScaleKey,
     Study,
 )
+from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
+from fingerpad.study.results.load import Results
+from fingerpad.study.results.result_set import (
+    RERUN,
+    quick_faults,
+    result_files,
+    result_set_faults,
+    result_set_stamp,
+)
 from fingerpad.study.status import Missing, missing
-from fingerpad.web.errors import RequestError
+from fingerpad.web.answers import RequestError
 from fingerpad.web.events import Events, StudyEvent
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
@@ -52,37 +64,26 @@ _TIMEOUT_S: Final = 30.0
 # Where an incomplete contact, or a new file, is measured: no model may use them.
 _PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
 Drafted = TypeVar("Drafted", bound=ManifestModel)
-# Files and folders, each with what changes with it; None where it is not there.
-Stamps: TypeAlias = dict[Path, tuple[int, int, int] | None]
+# Of a file or folder, what changes with it; None where it is not there.
+Stamp: TypeAlias = tuple[int, int, int] | None
 _OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
+# Results of studies that are open in several windows, or what is wrong with them.
+_RESULTS: Final[Cache[tuple[Results | None, list[str]]]] = Cache(3)
 
 
 class StudySession:
-    """A study folder and its results; events of its windows, and the cache of pictures of all studies.
+    """A study folder and its results, and the events of its windows; pictures are cached for all studies."""
 
-    `memory_limit` is the most bytes that reading and measuring a picture may take, as for `read_image`.
-    """
-
-    def __init__(
-        self, folder: Path, *, out: Path, events: Events, pictures: Pictures, memory_limit: int
-    ) -> None:
-        self.folder, self.out = folder, out
-        self.events = events
-        self.memory_limit = memory_limit
-        self.pictures = pictures
-        self.run_job = RunJob(events)
+    def __init__(self, folder: Path, *, out: Path, pictures: Pictures) -> None:
+        self.folder, self.out, self.name = folder, out, folder.name
+        self.pictures, self.events = pictures, Events()
+        self.run_job = RunJob(self.events)
         self.corrections = CorrectionLog(folder)
         self.second_operator = CorrectionLog(folder, SECOND_OPERATOR_NAME)
-        self._counts: Cache[int] = Cache(10_000, lambda _: 1)
-        self._digests: Cache[str] = Cache(10_000, lambda _: 1)
-        self._read: tuple[Stamps, LoadedStudy, list[Missing]] | None = None
-        self._sheet: Path | None = None
+        self._counts: Cache[int] = Cache(10_000)
+        self._digests: Cache[str] = Cache(10_000)
+        self._read: tuple[dict[Path, Stamp], LoadedStudy, list[Missing]] | None = None
         self._lock = Lock()
-
-    @property
-    def name(self) -> str:
-        """Name of the folder."""
-        return self.folder.name
 
     def address(self, path: str) -> str:
         """Return the address of a request about this study."""
@@ -119,27 +120,23 @@ class StudySession:
 
     def _loaded(self) -> tuple[LoadedStudy, list[Missing]]:
         with self._lock:
-            if self._read is None or not _unchanged(self._read[0]):
-                self._read = self._read_now()
+            while self._read is None or not self._is_as_stamped(self._read[0]):
+                # Stamped first: what is saved meanwhile is read again.
+                stamps, loaded = self._stamps(), self._load()
+                self._read = stamps, loaded, missing(loaded)
             return self._read[1:]
 
-    def _read_now(self) -> tuple[Stamps, LoadedStudy, list[Missing]]:
-        """Return the study as it is, stamped first: what is saved meanwhile is read the next time."""
-        while True:
-            stamps = self._stamps()
-            loaded = self._load()
-            self._keep_sheet(loaded)
-            if self._sheet is None or self._sheet in stamps:
-                return stamps, loaded, missing(loaded)
+    def _named(self) -> list[Path]:
+        """Return the manifest, and the spreadsheet that it names as far as it was read."""
+        sheet = self._read[1].study.observations_csv if self._read else None
+        return [self.folder / name for name in (STUDY_NAME, sheet) if name is not None]
 
-    def _keep_sheet(self, loaded: LoadedStudy) -> None:
-        sheet = loaded.study.observations_csv
-        self._sheet = None if sheet is None else self.folder / sheet
-
-    def _stamps(self) -> Stamps:
+    def _stamps(self) -> dict[Path, Stamp]:
         """Return the stamps of all that tells what the study is."""
-        named = (self.folder / STUDY_NAME, self._sheet)
-        return self._scanned()[1] | {path: _stamp_of(path) for path in named if path is not None}
+        return self._scanned()[1] | {path: _stamp_of(path) for path in self._named()}
+
+    def _is_as_stamped(self, stamps: Mapping[Path, Stamp]) -> bool:
+        return all(stamps.get(path, ()) == _stamp_of(path) for path in {*stamps, *self._named()})
 
     def _load(self) -> LoadedStudy:
         """Return the study; one without anything in it where the manifest cannot be read."""
@@ -157,10 +154,10 @@ class StudySession:
         """Change the manifest: all edits or none."""
         changed = change_study(self.folder, edits, expected=expected, before=self.read())
         with self._lock:
-            self._keep_sheet(changed)
+            self._read = {}, changed, missing(changed)
             stamps = self._stamps()
             # What was written need not be read again, unless someone has changed it meanwhile.
-            self._read = (stamps, changed, missing(changed)) if is_as_read(changed) else None
+            self._read = (stamps, *self._read[1:]) if is_as_read(changed) else None
 
     def with_incomplete(self) -> Study:
         """Return the study with the names of what is incomplete too, whose corrections are kept as well."""
@@ -197,7 +194,7 @@ class StudySession:
 
     def _draft(self, kind: Kind, name: str, model: type[Drafted]) -> Drafted:
         """Return an incomplete contact with placeholders for what its picture is measured without."""
-        content = self._content(kind, name)
+        content = self._stated(kind, name)
         if not content.get("file"):
             raise RequestError.not_there(f"no {kind} with a picture is named {name[:80]!r}")
         if not content.get("scale"):
@@ -219,35 +216,29 @@ class StudySession:
             raise RequestError.impossible("state the scale of the photograph")
         return self.finger(name), validated(Photograph, found, item, strict=False)
 
-    def sequence_file(self, name: str) -> str:
-        """Return the file or folder of a sequence."""
-        file = self._named("sequence", name, "file")
-        if file is None:
-            raise RequestError.not_there(f"no sequence is named {name!r}")
-        return file
+    def _photographs(self, finger: str) -> list[dict[str, Any]]:
+        return cast(list[dict[str, Any]], self._stated("finger", finger).get("photographs", []))
 
-    def count_frames(self, name: str) -> int | None:
-        """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
-        if (path := self._inside(name)) is None:
-            return None
-        with suppress(ImageError):
-            return self._counts.get(
-                (name, _stamp_of(path)), lambda: open_frames(path, memory_limit=self.memory_limit).count
-            )
-        return None
+    def _stated(self, kind: Kind, key: str) -> dict[str, Any]:
+        """Return what a table of the manifest states, nothing where there is none."""
+        table = self.read().table(kind, key)
+        return {} if table is None else table.stated
+
+    def _complete(self, kind: Kind, key: str) -> ManifestModel | None:
+        """Return a table that is complete, None where there is none."""
+        table = self.read().table(kind, key)
+        return table.model if table is not None and table.complete else None
 
     def image_location(self, item: str) -> ImageLocation:
         """Return the location of an item's image; only files named by the manifest."""
         if item.startswith("file:"):
             return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
         kind, name, part = parts_of_item(item)
-        if item.startswith("coin:"):
-            file = self._named("scale", item.removeprefix("coin:"), "coin")
-        elif kind == "photograph":
+        if kind == "photograph":
             file = part if any(one.get("file") == part for one in self._photographs(name)) else None
         else:
-            file = self._named("observation" if kind == "observation" else "sequence", name, "file")
-        if file is None:
+            file = self._stated("observation" if kind == "observation" else "sequence", name).get("file")
+        if not isinstance(file, str):
             raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
         if kind in {"observation", "photograph"}:
             return ImageLocation(self.file(file), colour=kind == "photograph")
@@ -255,74 +246,53 @@ class StudySession:
             raise RequestError.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
         return ImageLocation(self.sequence_path(file), frame=int(part))
 
-    def _named(self, kind: Kind, key: str, place: str) -> str | None:
-        file = self._content(kind, key).get(place)
-        return file if isinstance(file, str) else None
-
-    def _photographs(self, finger: str) -> list[dict[str, Any]]:
-        return cast(list[dict[str, Any]], self._content("finger", finger).get("photographs", []))
-
-    def _content(self, kind: Kind, key: str) -> dict[str, Any]:
-        """Return what a table of the manifest states, nothing where there is none."""
-        table = self._table(kind, key)
-        return {} if table is None else table_content(table)
-
-    def _complete(self, kind: Kind, key: str) -> ManifestModel | None:
-        """Return a table that is complete, None where there is none."""
-        table = self._table(kind, key)
-        return table.model if table is not None and table.complete else None
-
-    def _table(self, kind: Kind, key: str) -> Table | None:
-        return next((one for one in self.read().tables if (one.kind, one.key) == (kind, key)), None)
-
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""
         kind, name, _ = parts_of_item(item)
-        if kind == "phases" or (kind == "observation" and self._named("observation", name, "file") is None):
+        if kind == "phases" or (kind == "observation" and not self._stated("observation", name).get("file")):
             return None
-        place = self.image_location(item)
-        pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
-        return pixels.shape[0], pixels.shape[1]
-
-    def digest(self, path: Path) -> str:
-        """Return the SHA-256 of a file, read again only when it has changed; empty if it cannot be read."""
-        return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
+        rows, columns = self.pictures.pixels(self.image_location(item)).shape[:2]
+        return rows, columns
 
     def picture_digest(self, item: str) -> str:
-        """Return the SHA-256 of an item's file, of a frame's pixels, or of the force whose phases it is.
+        """Return the SHA-256 of what an item's corrections are about; empty where it is not there."""
+        return picture_digest(item, self.with_incomplete(), self.folder, self._digest)
 
-        It is empty where there is none.
-        """
-        try:
-            if (sequence := sequence_of_phases(item)) is not None:
-                force = self._named("sequence", sequence, "force")
-                return "" if force is None else self.digest(self.file(force))
-            place = self.image_location(item)
-            if place.frame is None:
-                return self.digest(place.path)
-            pixels = self.pictures.grey(place).pixels
-            return self._digests.get(place.stamp, lambda: Frame(index=place.frame or 0, pixels=pixels).digest)
-        except (RequestError, ImageError):
+    def _digest(self, name: str) -> str:
+        """Return the SHA-256 of a file of the study, read again only when it has changed."""
+        if (path := self._inside(name)) is None:
             return ""
+        return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
+
+    def count_frames(self, name: str) -> int | None:
+        """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
+        if (path := self._inside(name)) is None:
+            return None
+        limit = self.pictures.memory_limit
+        with suppress(ImageError):
+            key = name, _stamp_of(path)
+            return self._counts.get(key, lambda: open_frames(path, memory_limit=limit).count)
+        return None
 
     def files(self) -> dict[str, os.stat_result]:
         """Return all files of the study folder except results, by their relative names."""
         return dict(sorted(self._scanned()[0].items()))
 
-    def _scanned(self) -> tuple[dict[str, os.stat_result], Stamps]:
+    def _scanned(self) -> tuple[dict[str, os.stat_result], dict[Path, Stamp]]:
         """Return these files, and the folders that hold them with their stamps."""
         found: dict[str, os.stat_result] = {}
-        folders: Stamps = {}
+        folders: dict[Path, Stamp] = {}
         waiting = [self.folder]
         while waiting and len(found) < _MOST_FILES:
             here = waiting.pop()
             folders[here] = _stamp_of(here)
             for entry in _entries(here):
+                path = Path(entry.path)
                 if entry.is_dir(follow_symlinks=False):
-                    if not _is_of_a_run(Path(entry.path), self.out):
-                        waiting.append(Path(entry.path))
+                    if path != self.out and not (path / STORE_NAME).is_file():  # of a run
+                        waiting.append(path)
                 elif entry.is_file(follow_symlinks=False):
-                    name = Path(entry.path).relative_to(self.folder).as_posix()
+                    name = path.relative_to(self.folder).as_posix()
                     if name not in _OWN:
                         found[name] = entry.stat(follow_symlinks=False)
         return found, folders
@@ -354,24 +324,79 @@ class StudySession:
         inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
         return path if inside else None
 
+    def results(self) -> Results | None:
+        """Return the tables of the last run, None if there are none or they are damaged.
+
+        They are validated on reading, as they may be imported.
+        """
+        return self._results_read()[0]
+
+    def results_faults(self) -> list[str]:
+        """Return what was wrong with the files of the last run, except overlays, when its tables were read.
+
+        A file that was changed in place later is named by what reads it, and by ``fingerpad verify``.
+        """
+        return self._results_read()[1]
+
+    def _results_read(self) -> tuple[Results | None, list[str]]:
+        """Return the results and their faults, checked and read once for each result set."""
+        return _RESULTS.get((self.out, result_set_stamp(self.out)), self._read_results)
+
+    def _read_results(self) -> tuple[Results | None, list[str]]:
+        faults = quick_faults(self.out, lambda name: not name.startswith("overlays/"))
+        if faults or not result_files(self.out):
+            return None, faults
+        try:
+            found = Results.read(self.out)
+        except FingerpadError as error:
+            return None, [str(error).removesuffix(f"; {RERUN}")]
+        # pandas copies all units with each column that is taken, half of a plot's time.
+        found.table.attrs.clear()
+        return found, []
+
+    def require_results(self) -> Results:
+        """Return the results of the last run; refuse where there are none, or they are damaged."""
+        found, faults = self._results_read()
+        if faults:
+            raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
+        if found is None:
+            raise RequestError.not_there("there are no results yet: run the study")
+        return found
+
+    def require_result_file(self, name: str) -> None:
+        """Refuse a file of the results that is not what the last run wrote."""
+        faults = result_set_faults(self.out, is_checked=lambda one: one == name)
+        if faults:
+            raise RequestError.conflict(f"{'; '.join(faults)}: {RERUN}")
+
+    def known_finger(self, name: str) -> FingerResult | None:
+        """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
+        finger = self.finger(name)
+        if finger is None or not (finger.photographs or finger.semi_axes_mm):
+            return None
+        if finger.semi_axes_mm is not None:
+            return finger_result(finger, {}, self.folder, {})  # nothing to measure
+        found = self.results()
+        record = found.summary.finger(name) if found else None
+        if record is None or math.isnan(record.palmar_mm):
+            return None
+        radii = (one.outline_radii_deg_mm for one in record.photographs)
+        return FingerResult(
+            semi_axes=np.array(record.semi_axes_mm),
+            covariance=np.array(record.covariance_mm2),
+            source="photographs",
+            outline_radii=tuple(tuple(one) for one in radii if one),
+            scale=record.scale,
+            **(stated(finger) | {"synthetic": record.synthetic}),
+        )
+
 
 def contact_of_file(file: str, scale: ScaleKey) -> Observation:
     """Return a new file as a contact image, which no model may use either."""
     return Observation(name="new", file=file, scale=scale, **_PLACEHOLDERS)
 
 
-def table_content(table: Table) -> dict[str, Any]:
-    """Return the keys that a table states; of one that is not complete they may hold anything."""
-    if table.model is None or not table.complete:
-        return table.content
-    return table.model.model_dump(mode="json", exclude_unset=True)
-
-
-def _unchanged(stamps: Stamps) -> bool:
-    return all(_stamp_of(path) == stamp for path, stamp in stamps.items())
-
-
-def _stamp_of(path: Path) -> tuple[int, int, int] | None:
+def _stamp_of(path: Path) -> Stamp:
     try:
         status = path.stat()
     except (OSError, ValueError):
@@ -386,7 +411,3 @@ def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
             yield from (entry for entry in entries if not entry.name.startswith("."))
     except OSError:
         return  # removed in the meantime
-
-
-def _is_of_a_run(folder: Path, out: Path) -> bool:
-    return folder == out or (folder / STORE_NAME).is_file()

@@ -15,8 +15,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
-from fingerpad.web.errors import RequestError
-from fingerpad.web.events import Events
+from fingerpad.web.answers import RequestError
 from fingerpad.web.pictures import Pictures
 from fingerpad.web.study_session import StudySession
 
@@ -54,7 +53,7 @@ class Workspace:
         memory_limit: int = MEMORY_LIMIT,
     ) -> None:
         self.workspace = workspace.absolute()
-        self.upload_limit, self.import_limit, self.memory_limit = upload_limit, import_limit, memory_limit
+        self.upload_limit, self.import_limit = upload_limit, import_limit
         self.pictures = Pictures(memory_limit)
         self._open: dict[Path, StudySession] = {}
         self.last: StudySession | None = None  # that was opened last
@@ -90,13 +89,8 @@ class Workspace:
     def _session(self, folder: Path, out: Path | None = None) -> StudySession:
         folder = folder.absolute()
         if folder not in self._open:
-            self._open[folder] = StudySession(
-                folder,
-                out=(out or folder / RESULTS_NAME).absolute(),
-                events=Events(),
-                pictures=self.pictures,
-                memory_limit=self.memory_limit,
-            )
+            out = (out or folder / RESULTS_NAME).absolute()
+            self._open[folder] = StudySession(folder, out=out, pictures=self.pictures)
         return self._open[folder]
 
     def close(self) -> None:

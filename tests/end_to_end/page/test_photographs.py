@@ -73,7 +73,7 @@ def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
     handle = focus(page, "End of the semi-axis across")
     # An answer that comes late does not replace a newer one.
     late = Late(
-        page, "**/api/studies/*/measure/photograph", lambda asked: "handles" not in asked.post_data_json
+        page, "**/api/studies/*/measure/photograph", lambda asked: "handles_px" not in asked.post_data_json
     )
     handle.press("Shift+ArrowRight")
     late.wait()

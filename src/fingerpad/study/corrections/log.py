@@ -259,11 +259,14 @@ def image_of(item: str, study: Study) -> str | None:
     return next((one.file for one in study.observations if one.name == item), None)
 
 
-def picture_digest(item: str, study: Study, folder: Path) -> str:
-    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any."""
+def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str], str] | None = None) -> str:
+    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any.
+
+    `digest` gives that of a file of the study by its name, which is read otherwise.
+    """
     image = image_of(item, study)
     if image is not None:
-        return digest_of(folder / image)
+        return digest(image) if digest else digest_of(folder / image)
     if named_kind(item, study) != "frame":
         return ""
     _, name, number = parts_of_item(item)

@@ -5,7 +5,9 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
-from typing import Any, Final, get_args
+from typing import Any, Final, cast, get_args
+
+from typing_extensions import TypedDict  # for pydantic, before Python 3.12
 
 from fingerpad._csv import package_table
 from fingerpad.exceptions import ManifestError
@@ -139,6 +141,20 @@ class NewFile:
     guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
+class StatedValues(TypedDict, total=False):
+    """What a spreadsheet or a name states of a new file, under its keys."""
+
+    use: Use
+    person: str
+    finger: str
+    face: Face
+    wedge_angle_deg: float
+    load_N: float
+    scale: str
+    session: str
+    guessed: tuple[str, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
     """Edits that add files to a study."""
@@ -213,10 +229,10 @@ def with_guessed_scale(new: NewFile, guess: Guess) -> NewFile:
     return replace(new, scale=guess.scales[new.use].scale, guessed=(*new.guessed, "scale"))
 
 
-def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[dict[str, Any], str]:
+def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[StatedValues, str]:
     """Return values of a `NewFile` as a spreadsheet or a name states them, and which cannot be taken."""
     same = {"person", "finger", "face", "wedge_angle_deg", "load_N", "session"}
-    taken: dict[str, Any] = {key: value for key, value in values.items() if key in same}
+    taken = cast(StatedValues, {key: value for key, value in values.items() if key in same})
     problem, finger, person = "", values.get("finger", new.finger), values.get("person")
     if "role" in values:
         taken["use"] = values["role"]

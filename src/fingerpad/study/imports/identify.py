@@ -80,7 +80,7 @@ class FileTable:
 class JoinedFiles:
     """Files with the rows that name them."""
 
-    values: Mapping[str, FileValues]  # what the spreadsheet states of each file that one row names
+    rows: Mapping[str, FileRow]  # of each file that one row names
     rows_without_file: list[FileRow]  # rows that name no file, or one that another row names too
     files_without_row: list[str]
 
@@ -189,11 +189,11 @@ def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
         else:
             without.append(row)
     without += [row for rows in owners.values() if len(rows) > 1 for row in rows]
-    values = {file: rows[0].values for file, rows in owners.items() if len(rows) == 1}
+    joined = {file: rows[0] for file, rows in owners.items() if len(rows) == 1}
     return JoinedFiles(
-        values=values,
+        rows=joined,
         rows_without_file=sorted(without, key=lambda row: row.line),
-        files_without_row=[file for file in files if file not in values],
+        files_without_row=[file for file in files if file not in joined],
     )
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Any, Final, Literal, Self, TypeAlias, TypedDict, get_args
+from typing import Any, Final, Literal, Self, TypeAlias, get_args
+
+from typing_extensions import TypedDict  # for pydantic, before Python 3.12
 
 from fingerpad import units
 from fingerpad.exceptions import ManifestError

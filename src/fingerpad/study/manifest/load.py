@@ -116,6 +116,13 @@ class Table:
         return lines
 
     @property
+    def stated(self) -> dict[str, Any]:
+        """The keys that it states; where it is not complete they may hold anything."""
+        if self.model is None or not self.complete:
+            return self.content
+        return self.model.model_dump(mode="json", exclude_unset=True)
+
+    @property
     def tables(self) -> list[Mapping[str, Any]]:
         """Its content, and that of the photographs in it."""
         inner = self.content.get("photographs", []) if self.kind == "finger" else []
@@ -246,6 +253,10 @@ class LoadedStudy(Displayed):
     def incomplete(self) -> list[Table]:
         """The tables that are not part of the study yet."""
         return [table for table in self.tables if not table.complete]
+
+    def table(self, kind: Kind, key: str) -> Table | None:
+        """Return a table, None where there is none."""
+        return next((one for one in self.tables if (one.kind, one.key) == (kind, key)), None)
 
     def complete(self) -> Study:
         """Return the study; `ManifestError` has one line for each issue."""

@@ -201,8 +201,7 @@ def measured_pad(
     axes = summary.finger(found.finger)
     if axes is None or math.isnan(axes.palmar_mm):
         raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
-    semi_axes = axes.palmar_mm, axes.distal_mm, axes.radial_ulnar_mm
-    placement = pad_placement(semi_axes, found.wedge_angle_deg, found.roll_angle_deg)
+    placement = pad_placement(axes.semi_axes_mm, found.wedge_angle_deg, found.roll_angle_deg)
     stds = dict(zip(SEMI_AXES, np.sqrt(np.diagonal(axes.covariance_mm2)).tolist(), strict=True))
     layers = [
         curve.layer

@@ -154,9 +154,14 @@ class FingerRecord(Record):
     photographs: list[PhotographRecord] = Field(description="Its photographs.")
     reason: str | None = Field(description="Why there are no semi-axes.")
 
+    @property
+    def semi_axes_mm(self) -> tuple[float, float, float]:
+        """Palmar, distal and radial–ulnar semi-axis, mm."""
+        return self.palmar_mm, self.distal_mm, self.radial_ulnar_mm
+
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        axes, covariance = (self.palmar_mm, self.distal_mm, self.radial_ulnar_mm), self.covariance_mm2
+        axes, covariance = self.semi_axes_mm, self.covariance_mm2
         unknown = any(map(math.isnan, (*axes, *(entry for row in covariance for entry in row))))
         if unknown and not all(map(math.isnan, axes)):
             raise ValueError("semi-axes and covariance_mm2 belong together")

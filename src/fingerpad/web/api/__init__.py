@@ -4,7 +4,6 @@ from fingerpad.web.api import (  # noqa: F401
     contacts,
     corrections,
     downloads,
-    figures,
     files,
     geometry,
     images,

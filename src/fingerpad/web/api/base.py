@@ -10,31 +10,23 @@ from typing import Annotated, Any, Final, TypeAlias, TypeVar, cast
 import cv2
 import fastapi
 from fastapi import APIRouter, Depends, FastAPI, Request, Response
+from fastapi.dependencies.utils import get_flat_params
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
 from pydantic_core import core_schema
+from starlette.datastructures import QueryParams
 from starlette.exceptions import HTTPException
 from starlette.types import Message, Receive, Scope, Send
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.manifest.models import Pixel
-from fingerpad.web.answers import Refusal
-from fingerpad.web.errors import RequestError
+from fingerpad.web.answers import Refusal, RequestError
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 BODY_LIMIT: Final = 8_000_000
-# Media types of the files of results; `mimetypes` would ask the system.
-MEDIA_TYPES: Final = {
-    ".html": "text/html; charset=utf-8",
-    ".csv": "text/csv; charset=utf-8",
-    ".json": "application/json",
-    ".svg": "image/svg+xml",
-    ".png": "image/png",
-    ".pdf": "application/pdf",
-}
 # Headers of what has another address once it changes, and of what keeps its own.
 IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 ASK_AGAIN: Final = {"cache-control": "private, no-cache"}
@@ -68,17 +60,15 @@ Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
 PointParam: TypeAlias = tuple[Pixel, Pixel]
 
 
-class FileParams(Params):
-    """A file of the study, by its name."""
-
-    file: Item
-
-
 class _Route(APIRoute):
-    """A route with a limit for the body that is read at once; streams have their own."""
+    """A route that refuses unknown parameters, and limits a body that it reads at once."""
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, and read no more of a body that is too large."""
+        known = {one.alias for one in get_flat_params(self.dependant)}
+        if unknown := sorted(QueryParams(scope["query_string"]).keys() - known):
+            words = "Extra inputs are not permitted"
+            raise RequestValidationError([{"loc": ("query", name), "msg": words} for name in unknown])
         size = 0
 
         async def limited() -> Message:

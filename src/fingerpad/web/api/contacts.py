@@ -11,7 +11,6 @@ from fingerpad.exceptions import FingerpadError, ImageError
 from fingerpad.image import (
     ContactImageOptions,
     ContactImageResult,
-    ImageEllipse,
     PreparedContactImage,
     SequenceSettings,
     estimate_settings,
@@ -41,19 +40,25 @@ from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
-from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantity, quantities
+from fingerpad.web.answers import (
+    Answer,
+    MeasuredBy,
+    Point,
+    PoolingCorrectionRecord,
+    Quantity,
+    RequestError,
+    quantities,
+)
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
-from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession, contact_of_file
 
-_PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
-_AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50, lambda _: 1)
-_SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
+_PREPARED: Final[Cache[PreparedContactImage]] = Cache(12)
+_AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50)
+_SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50)
 # A sequence may have thousands of frames: some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
 
@@ -143,15 +148,16 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     change = params.change or image.correction()
     seen = measured_under(image.prepared(change), change)
     measured = replace(from_contact_image(seen, image.contact, image.found), observation=image.item)
-    waits = params.soon and image.complete and known_finger(opened, image.contact.finger) is None
+    waits = params.soon and image.complete and opened.known_finger(image.contact.finger) is None
     model = image.model(measured) if image.complete and not waits else None
     own, error = image.automatic() if change.edits else (seen, None)
+    ellipse = seen.ellipse_px
     return ContactMeasurement.of(
         seen,
         item=image.item,
         by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
         outline_px=seen.outline.round(2),
-        handles_px=_handles(seen, image.found.scale.mm_per_px),
+        handles_px=[ellipse.centre, *ellipse.points(4)[:2]],
         numbers=quantities(seen.as_record().get, _MEASURED),
         automatic=own and quantities(own.as_record().get, _MEASURED),
         automatic_outline_px=own and own.outline.round(2),
@@ -160,7 +166,6 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
         waits=waits,
         flags=[*doubts_of(seen), *image.found.flags],
         pooling=model and image.pooling(measured, model),
-        mm_per_px=image.found.scale.mm_per_px,
     )
 
 
@@ -215,7 +220,7 @@ class _Image:
         return _PREPARED.get(
             self._key(reading),
             lambda: prepared_contact(
-                self.opened.pictures.grey(self.opened.image_location(self.item)).pixels,
+                self.opened.pictures.grey(self.opened.image_location(self.item)),
                 self.found.scale,
                 self.contact,
                 self.opened.folder,
@@ -260,7 +265,7 @@ class _Image:
         some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
 
         def learn() -> SequenceSettings | None:
-            frames, scale = open_frames(path, memory_limit=opened.memory_limit), self.found.scale
+            frames, scale = open_frames(path, memory_limit=opened.pictures.memory_limit), self.found.scale
             try:
                 options = contact_options(sequence, opened.folder)
                 scan = scan_texture(map(frames.at, some), scale, **options)
@@ -284,7 +289,7 @@ class _Image:
             return None
         study, loaded = self.opened.study(), replace(measured, load_N=load)
         row = model_contact(study, finger, self.contact, loaded, _MODEL_COLUMNS)
-        placement, found = tuple(row[name] for name in PLACEMENT), last_results(self.opened)
+        placement, found = tuple(row[name] for name in PLACEMENT), self.opened.results()
         summaries = found.summary.summaries if found else []
         headlines = next((one.validity.headlines for one in summaries if one.key == placement), {})
         for name in HEADLINES:
@@ -299,7 +304,7 @@ class _Image:
         )
 
     def _load_of_frame(self) -> float | None:
-        found = last_results(self.opened)
+        found = self.opened.results()
         row = found and first_record(found.table[found.table["observation"] == self.item])
         return row["load_N"] if row else None
 
@@ -316,14 +321,3 @@ class _Image:
             excluding_flags=sorted(excluding),
             correction=pooling_correction(active),
         )
-
-
-def _handles(contact_image: ContactImageResult, mm_per_px: float) -> list[Point]:
-    """Return centre and ends of the major and the minor axis of a contact's ellipse in pixels."""
-    major, minor = contact_image.ellipse.semi_major, contact_image.ellipse.semi_minor
-    ellipse = ImageEllipse(
-        centre=contact_image.centroid,
-        semi_axes=(float(major) / mm_per_px, float(minor) / mm_per_px),
-        orientation=contact_image.orientation,
-    )
-    return [ellipse.centre, *ellipse.points(4)[:2]]

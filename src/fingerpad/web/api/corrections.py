@@ -21,12 +21,9 @@ from fingerpad.study.corrections.log import (
 )
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
-from fingerpad.web.answers import Answer, PoolingCorrectionRecord
+from fingerpad.web.answers import Answer, PoolingCorrectionRecord, RequestError, Review, review_of
 from fingerpad.web.api.base import Body, Item, Opened, Params, Query, router
-from fingerpad.web.api.state import Review, review_record
-from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent
-from fingerpad.web.last_results import last_results
 from fingerpad.web.study_session import StudySession
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
@@ -204,12 +201,10 @@ def second_operator(opened: Opened) -> SecondOperator:
         for name in named
         if (change := contact_correction(first.get(name))).accepted or (change.edits and not change.rejected)
     ]
-    found = last_results(opened)
+    found = opened.results()
     return SecondOperator(
         first_operators=sorted({first[name].who for name in looked}),
-        images=[
-            SecondOperatorImage(item=one, **review_record(second.get(one))) for one in blind_order(looked)
-        ],
+        images=[SecondOperatorImage(item=one, **review_of(second.get(one))) for one in blind_order(looked)],
         unseen=len(named) - len(looked),
         agreement=found.summary.second_operator if found else [],
     )

@@ -1,25 +1,38 @@
-"""Downloads: results of the last run, and the whole study as a ZIP."""
+"""Downloads: files of the last run, its figures for publication, and the whole study as a ZIP."""
 
 import os
+import re
 from contextlib import ExitStack
+from html import unescape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Annotated
+from typing import Annotated, Final, Literal
 
 from fastapi import Path as PathParameter
 from fastapi import Response
+from pydantic import Field
 from starlette.background import BackgroundTask
 from starlette.responses import FileResponse
 
-from fingerpad.study.results.result_set import result_files
+from fingerpad._files import file_stem
+from fingerpad.figures.marks import Figure
+from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
+from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.study.share import Bundle, LeftOut, pack
-from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import MEDIA_TYPES, Opened, router, saved_as
-from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import require_file
+from fingerpad.web.answers import Answer, RequestError
+from fingerpad.web.api.base import ASK_AGAIN, Opened, Params, Query, router, saved_as
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
 
+# Media types of the files of results; `mimetypes` would ask the system.
+_MEDIA_TYPES: Final = {
+    ".html": "text/html; charset=utf-8",
+    ".csv": "text/csv; charset=utf-8",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".pdf": "application/pdf",
+}
 FilePath = Annotated[str, PathParameter(max_length=300)]
 
 
@@ -39,11 +52,11 @@ def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Res
     file = opened.out / path
     if path not in result_files(opened.out) or not file.resolve().is_relative_to(opened.out.resolve()):
         raise RequestError.not_there(f"{path[:80]!r} is no file of the last run: run the study")
-    require_file(opened, path)
-    headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
+    opened.require_result_file(path)
+    headers = ASK_AGAIN | (FRAMED_HEADERS if file.suffix == ".html" else {})
     if attachment:
         headers |= saved_as(file.name)
-    kind = MEDIA_TYPES.get(file.suffix, "application/octet-stream")
+    kind = _MEDIA_TYPES.get(file.suffix, "application/octet-stream")
     return FileResponse(file, media_type=kind, headers=headers)
 
 
@@ -76,3 +89,119 @@ def _zipped(opened: StudySession) -> Response:
     sent = BackgroundTask(os.unlink, target)
     headers = saved_as(f"{opened.name}.zip")
     return FileResponse(target, media_type="application/zip", headers=headers, background=sent)
+
+
+class FigureEntry(Answer):
+    """A figure of the report, and the addresses of its files."""
+
+    name: str
+    caption: str
+    svg: str
+    png: str | None
+    settable: bool
+
+
+class FigureAxis(Answer):
+    """An axis of a figure; it can be set where all panels show one quantity on it."""
+
+    axis: Literal["x", "y"]
+    name: str
+    settable: bool
+
+
+class FigureDetails(Answer):
+    """What can be set of a figure, as it is in the report."""
+
+    width_mm: float
+    height_mm: float
+    colours: list[str]
+    axes: list[FigureAxis]
+
+
+class FigureFileParams(Params):
+    """A figure, the format of its file, and how to draw it; what is left out stays as in the report."""
+
+    name: str
+    kind: Format
+    width_mm: float | None = None
+    height_mm: float | None = None
+    font_pt: float | None = None
+    x_low: float | None = None
+    x_high: float | None = None
+    y_low: float | None = None
+    y_high: float | None = None
+    x_scale: Scale | None = None
+    y_scale: Scale | None = None
+    colours: Annotated[str, Field(max_length=500, description="Separated by commas.")] = ""
+    dpi: float = 300.0
+    attachment: bool = False
+
+    def settings(self) -> FigureSettings:
+        """Return how to draw it."""
+        stated = self.model_dump(include={*FigureSettings.__dataclass_fields__} - {"colours"})
+        return FigureSettings(
+            **stated,
+            x_range=(self.x_low, self.x_high),
+            y_range=(self.y_low, self.y_high),
+            colours=tuple(filter(None, self.colours.split(","))),
+        )
+
+
+_CAPTION: Final = re.compile(r'aria-label="([^"]+)"')
+
+
+@router.get("/results/figures")
+def figures(opened: Opened) -> list[FigureEntry]:
+    """Return the report's figures with their captions."""
+    opened.require_results()
+    files = dict.fromkeys(result_files(opened.out))
+
+    def entry(drawing: str) -> FigureEntry:
+        stem = drawing.removesuffix(".svg")
+        with (opened.out / drawing).open(encoding="utf-8") as file:
+            caption = _CAPTION.search(file.read(4000))
+        return FigureEntry(
+            name=Path(stem).name,
+            caption=unescape(caption[1]) if caption else Path(stem).name,
+            svg=opened.address(f"/download/{drawing}"),
+            png=opened.address(f"/download/{stem}.png") if f"{stem}.png" in files else None,
+            settable=f"{stem}.json" in files,
+        )
+
+    return [entry(one) for one in files if one.startswith("figures/") and one.endswith(".svg")]
+
+
+@router.get("/results/figure")
+def figure(opened: Opened, name: str) -> FigureDetails:
+    """Return what can be set of a figure, as it is in the report."""
+    found = _figure(opened, name)
+    labels: dict[Literal["x", "y"], list[str]] = {
+        "x": [panel.x.label for panel in found.panels],
+        "y": [panel.y.label for panel in found.panels],
+    }
+    axes = [
+        FigureAxis(axis=axis, name=plain_text(of[0]), settable=len(set(of)) == 1)
+        for axis, of in labels.items()
+    ]
+    return FigureDetails.of(found, colours=figure_colours(found), axes=axes)
+
+
+@router.get("/results/figure/file", response_class=Response)
+def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response:
+    """Return a figure as a file."""
+    content = figure_file(_figure(opened, params.name), params.kind, params.settings())
+    saved = saved_as(f"{file_stem(params.name)}.{params.kind}") if params.attachment else {}
+    return Response(content, media_type=_MEDIA_TYPES[f".{params.kind}"], headers=ASK_AGAIN | saved)
+
+
+def _figure(opened: StudySession, name: str) -> Figure:
+    """Return a figure of the results as data."""
+    opened.require_results()
+    file = f"figures/{name}.json"
+    if file not in result_files(opened.out):
+        raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
+    opened.require_result_file(file)
+    try:
+        return Figure.of_json((opened.out / file).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise RequestError.conflict(f"{file}: is damaged: {RERUN}") from error

@@ -5,13 +5,13 @@ import os
 import re
 import shutil
 import unicodedata
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
 from http import HTTPStatus
 from itertools import count
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import IO, Annotated, Final
+from typing import Annotated, Any, Final, TypeAlias
 from uuid import uuid4
 
 from fastapi import Response
@@ -26,10 +26,9 @@ from fingerpad.image import open_frames, read_image
 from fingerpad.study.imports.identify import USABLE_SUFFIXES, kind_of_file
 from fingerpad.study.imports.names import FileKind
 from fingerpad.study.share import unpack
-from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, FileParams, Here, Opened, Params, Query, here, router
+from fingerpad.web.answers import Answer, RequestError
+from fingerpad.web.api.base import Body, Here, Item, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
-from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_sequence
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import NAME, name_of
@@ -38,6 +37,8 @@ FOLDER: Final = "uploads"
 # Hidden, so that its contents do not count as files of the study.
 _REMOVED: Final = ".removed"
 _LONGEST: Final = 120
+_Name: TypeAlias = Annotated[str, Field(max_length=500)]
+_Folder: TypeAlias = Annotated[str, Field(pattern=rf"^$|{NAME}")]
 
 
 class UploadedFile(Answer):
@@ -53,18 +54,10 @@ class UploadedFile(Answer):
     columns: list[str] | None = None
 
 
-class UploadParams(Params):
-    """Name of a file, and the folder for the frames of a sequence."""
+class RemoveParams(Params):
+    """A file of the study, by its name."""
 
-    name: Annotated[str, Field(min_length=1, max_length=500)]
-    folder: Annotated[str, Field(pattern=NAME)] | None = None
-
-
-class ImportParams(Params):
-    """Name of the imported study, which follows from that of the file unless it is given."""
-
-    name: Annotated[str, Field(pattern=NAME)] | None = None
-    file: Annotated[str, Field(max_length=500)] = ""
+    file: Item
 
 
 class RestoreParams(Params):
@@ -87,16 +80,21 @@ class Restoration(Answer):
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
 async def upload(
-    opened: Opened, workspace: Here, params: Query[UploadParams], request: Request, answer: Response
+    opened: Opened,
+    workspace: Here,
+    request: Request,
+    answer: Response,
+    *,
+    name: _Name,
+    folder: _Folder = "",
 ) -> UploadedFile:
-    """Add a file to the study."""
-    name = plain_name(params.name)
-    folder = opened.folder / FOLDER / (params.folder or "")
-    path, digest = await stored(request, workspace.upload_limit, folder)
+    """Add a file to the study, a frame to the folder of its sequence."""
+    plain, home = plain_name(name), opened.folder / FOLDER / folder
+    path, digest = await stored(request, workspace.upload_limit, home)
 
     def keep() -> UploadedFile:
         try:
-            target = placed(path, folder / name, digest)
+            target = placed(path, home / plain, digest)
             new = not path.exists()
         finally:
             with suppress(OSError):
@@ -117,25 +115,23 @@ async def upload(
 
 def _described(opened: StudySession, path: Path) -> UploadedFile:
     """Return the kind and size of a file, which must be one that can be read."""
-    file, size = path.relative_to(opened.folder).as_posix(), path.stat().st_size
-    if (kind := kind_of_file(path.name)) == "table":
+    kind, limit = kind_of_file(path.name), opened.pictures.memory_limit
+    known: dict[str, Any] = {"file": path.relative_to(opened.folder).as_posix(), "bytes": path.stat().st_size}
+    if kind == "table":
         header = read_table(path, ManifestError, head_only=True).header
-        return UploadedFile(file=file, kind=kind, bytes=size, columns=header)
-    if is_sequence(path) and (frames := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
-        return UploadedFile(file=file, kind="sequence", bytes=size, frames=frames)
-    picture = read_image(path, memory_limit=opened.memory_limit)
+        return UploadedFile(**known, kind=kind, columns=header)
+    if is_sequence(path) and (frames := open_frames(path, memory_limit=limit).count) > 1:
+        return UploadedFile(**known, kind="sequence", frames=frames)
+    picture = read_image(path, memory_limit=limit)
     rows, columns = picture.pixels.shape
     ppi = picture.dots_per_inch
-    return UploadedFile(
-        file=file, kind=kind, bytes=size, rows_px=rows, columns_px=columns, resolution_ppi=ppi, frames=1
-    )
+    return UploadedFile(**known, kind=kind, rows_px=rows, columns_px=columns, resolution_ppi=ppi, frames=1)
 
 
 @here.post("/session/import", status_code=HTTPStatus.CREATED)
-async def import_study(workspace: Here, params: Query[ImportParams], request: Request) -> State:
-    """Import a study from a ZIP, and open it."""
-    name = params.name or workspace.free_name(name_of(params.file.removesuffix(".zip")))
-    folder = workspace.new_folder(name)
+async def import_study(workspace: Here, request: Request, file: _Name = "", name: _Folder = "") -> State:
+    """Import a study from a ZIP, and open it; its name follows from the file's unless it is given."""
+    folder = workspace.new_folder(name or workspace.free_name(name_of(file.removesuffix(".zip"))))
     path, _ = await stored(request, workspace.room, workspace.workspace)
 
     def open_it() -> State:
@@ -149,7 +145,7 @@ async def import_study(workspace: Here, params: Query[ImportParams], request: Re
 
 
 @router.delete("/files")
-def remove(opened: Opened, params: Body[FileParams]) -> Removal:
+def remove(opened: Opened, params: Body[RemoveParams]) -> Removal:
     """Move an uploaded file that is not used into a hidden folder."""
     path = opened.file(params.file)
     named = opened.read().files()
@@ -202,42 +198,32 @@ def plain_name(name: str) -> str:
 
 async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]:
     """Stream a body of at most `limit` bytes into a file of `folder`; return its path and its SHA-256."""
+    too_large = RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > limit:
-        raise _too_large(limit)
+        raise too_large
+    digest, size = hashlib.sha256(), 0
     try:
         await run_in_threadpool(folder.mkdir, parents=True, exist_ok=True)
-        with NamedTemporaryFile(dir=folder, prefix=".upload-", delete=False) as file:
-            try:
-                return Path(file.name), await _written(request, limit, file)
-            except BaseException:
-                with suppress(OSError):
-                    Path(file.name).unlink()
-                raise
+        with NamedTemporaryFile(dir=folder, prefix=".upload-", delete=False) as file, ExitStack() as failed:
+            path = Path(file.name)
+            failed.callback(path.unlink, missing_ok=True)
+            async for part in request.stream():
+                size += len(part)
+                if size > limit:
+                    raise too_large
+                digest.update(part)
+                await run_in_threadpool(file.write, part)
+            if not size:
+                raise RequestError(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
+            file.flush()
+            await run_in_threadpool(os.fsync, file.fileno())
+            failed.pop_all()
+            return path, digest.hexdigest()
     except OSError as error:
         raise RequestError.impossible(
             f"the file cannot be written ({error.strerror}): make room on the disk"
         ) from error
-
-
-async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
-    """Write a body to the disk as it arrives, and return its SHA-256."""
-    digest, size = hashlib.sha256(), 0
-    async for part in request.stream():
-        size += len(part)
-        if size > limit:
-            raise _too_large(limit)
-        digest.update(part)
-        await run_in_threadpool(file.write, part)
-    if not size:
-        raise RequestError(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
-    file.flush()
-    await run_in_threadpool(os.fsync, file.fileno())
-    return digest.hexdigest()
-
-
-def _too_large(limit: int) -> RequestError:
-    return RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
 
 
 def placed(path: Path, target: Path, digest: str | None = None) -> Path:
@@ -245,23 +231,10 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
     for number in count(1):
         free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
         try:
-            _rename_to_free(path, free)
+            free.touch(exist_ok=False)  # so that no other file is replaced
         except FileExistsError:
             if digest is not None and sha256_of(free) == digest:
                 return free
         else:
-            return free
+            return path.replace(free)
     raise AssertionError
-
-
-def _rename_to_free(path: Path, free: Path) -> None:
-    """Rename a file, but never put it in the place of another."""
-    try:
-        os.link(path, free)
-    except FileExistsError:
-        raise
-    except OSError:  # no hard links there
-        free.touch(exist_ok=False)
-        path.replace(free)
-    else:
-        path.unlink()

@@ -10,10 +10,9 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web.answers import Answer, Axis, Point3D, Quantity, semi_axes
+from fingerpad.web.answers import Answer, Axis, Point3D, Quantity, RequestError, semi_axes
 from fingerpad.web.api.base import Body, Opened, Params, router
 from fingerpad.web.api.photographs import measured_finger
-from fingerpad.web.errors import RequestError
 from fingerpad.web.study_session import StudySession
 
 # Parametric angles u of the midline that are marked.
@@ -73,23 +72,19 @@ class GeometryParams(Params):
 def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(opened, params)
-    pad = Ellipsoid(*axes)
-    wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
-    placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
+    pad, angles = Ellipsoid(*axes), np.radians([params.wedge_angle_deg, params.roll_angle_deg])
+    placement = Placement(pad, wedge_angle=angles[0], roll_angle=angles[1])
     turn = np.linspace(0, 2 * np.pi, 2 * params.detail + 1)
     height = np.linspace(0, np.pi, params.detail + 1)
-    mesh = pad.point(turn[:, None], height)
     return PadGeometry.of(
         semi_axes_mm=semi_axes(axes, None if covariance is None else np.sqrt(covariance.diagonal())),
-        **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
+        **_placed(axes, covariance, angles, angle_stds),
         v_deg=np.degrees(placement.v),
         contact_point_mm=placement.point,
         normal=placement.normal,
         principal_directions=placement.curvature.principal_directions,
-        mesh_mm=mesh,
-        lines_mm=_lines(pad, placement, float(max(axes))),
-        platen_mm=_platen(placement, float(max(axes))),
-        wedge=_wedge(pad, placement),
+        mesh_mm=pad.point(turn[:, None], height),
+        **_drawn(pad, placement),
         points_mm={str(u): pad.point(np.radians(u), np.pi / 2) for u in _MARKED_DEG},
     )
 
@@ -99,11 +94,9 @@ def _pad(opened: StudySession, params: GeometryParams) -> tuple[FloatArray, Floa
     if params.finger is None:
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
-    study = opened.study()
-    finger = measured_finger(opened, params.finger)
+    finger, of = measured_finger(opened, params.finger), opened.study().uncertainty
     if finger is None:
         raise RequestError.impossible(f"{params.finger}: no complete finger of the study has this name")
-    of = study.uncertainty
     return finger.semi_axes, finger.covariance, np.radians([of.wedge_deg_std, of.roll_angle_deg_std])
 
 
@@ -127,34 +120,34 @@ def _placed(
     return placed
 
 
-def _lines(pad: Ellipsoid, placement: Placement, size: float) -> dict[str, FloatArray]:
-    """Return lines by name: principal directions, normal, finger axis and midline."""
-    point, reach = placement.point, 0.6 * size
+def _drawn(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
+    """Return lines by name, the corners of the platen in the tangent plane, and the wedge.
+
+    The incline of the wedge touches the back of the pad, and its base is horizontal.
+    """
+    point, normal = placement.point, placement.normal
     along, across = placement.curvature.principal_directions
-    return {
-        "principal direction along": np.stack([point - reach * along, point + reach * along]),
-        "principal direction across": np.stack([point - reach * across, point + reach * across]),
-        "normal": np.stack([point, point + reach * placement.normal]),
-        "finger axis": np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes,
-        "midline": pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2),
-    }
-
-
-def _platen(placement: Placement, size: float) -> FloatArray:
-    """Return the corners of the platen, a square in the tangent plane at the point of contact."""
-    along, across = placement.curvature.principal_directions
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
-    return np.asarray(placement.point + corners @ np.stack([along, across]))
-
-
-def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
-    """Return the wedge: its incline touches the back of the pad, and its base is horizontal."""
     a, b, c = pad.semi_axes
+    size = float(max(pad.semi_axes))
+    reach = 0.6 * size
     low, high = np.array([-a, -1.15 * b, 0.0]), np.array([-a, b, 0.0])
-    level = np.array([placement.normal[0], placement.normal[1], 0.0])
+    level = np.array([normal[0], normal[1], 0.0])
     level /= np.linalg.norm(level) or 1.0
     foot = high - ((high - low) @ level) * level
     width = np.array([0.0, 0.0, 0.8 * c])
-    vertices = np.stack([side for corner in (low, high, foot) for side in (corner - width, corner + width)])
-    faces = [[2, 0, 1, 3], [4, 2, 3, 5], [0, 4, 5, 1], [0, 2, 4], [1, 5, 3]]
-    return {"vertices_mm": vertices, "faces": faces}
+    sides = [side for corner in (low, high, foot) for side in (corner - width, corner + width)]
+    return {
+        "lines_mm": {
+            "principal direction along": np.stack([point - reach * along, point + reach * along]),
+            "principal direction across": np.stack([point - reach * across, point + reach * across]),
+            "normal": np.stack([point, point + reach * normal]),
+            "finger axis": np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes,
+            "midline": pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2),
+        },
+        "platen_mm": point
+        + size * np.stack([-along - across, along - across, along + across, across - along]),
+        "wedge": {
+            "vertices_mm": np.stack(sides),
+            "faces": [[2, 0, 1, 3], [4, 2, 3, 5], [0, 4, 5, 1], [0, 2, 4], [1, 5, 3]],
+        },
+    }

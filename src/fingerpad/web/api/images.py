@@ -8,10 +8,10 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, Query, router
-from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
+from fingerpad.web.api.base import ASK_AGAIN, IMMUTABLE, Item, Opened, router
 
-_NO_CACHE: Final = {"cache-control": "private, no-cache"}
+_THUMBNAIL_PX: Final = 192
+_PREVIEW_PX: Final = 2048
 
 
 class PictureInfo(Answer):
@@ -23,50 +23,28 @@ class PictureInfo(Answer):
     preview: str
 
 
-class PictureParams(Params):
-    """An item, and the version `v` of its image."""
-
-    item: Item
-    v: Annotated[str, Field(max_length=40)] = ""
-
-
-class PreviewParams(PictureParams):
-    """The same, and the size of the preview."""
-
-    longest_px: Annotated[int, Field(ge=16, le=8192)] = PREVIEW_PX
-
-
 @router.get("/picture/info")
-def info(opened: Opened, params: Query[PictureParams]) -> PictureInfo:
+def info(opened: Opened, item: Item) -> PictureInfo:
     """Return the size of an image and the address of its preview."""
-    place = opened.image_location(params.item)
-    is_frame = place.colour and is_sequence(place.path)
-    picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
-    rows, columns = picture.pixels.shape
-    query = urlencode({"item": params.item, "v": version(place)})
-    return PictureInfo(
-        rows_px=rows,
-        columns_px=columns,
-        bits=8 * picture.pixels.itemsize,
-        preview=opened.address(f"/picture/preview?{query}"),
-    )
-
-
-def version(place: ImageLocation) -> str:
-    """Return the version of an image, a hash of its file's state."""
-    return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
+    place = opened.image_location(item)
+    pixels = opened.pictures.grey(place.shown)
+    version = hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
+    preview = opened.address(f"/picture/preview?{urlencode({'item': item, 'v': version})}")
+    rows, columns = pixels.shape
+    return PictureInfo(rows_px=rows, columns_px=columns, bits=8 * pixels.itemsize, preview=preview)
 
 
 @router.get("/picture/preview", response_class=Response)
-def preview(opened: Opened, params: Query[PreviewParams]) -> Response:
-    """Return a preview of an image."""
-    place = opened.image_location(params.item)
-    drawn, kind = opened.pictures.preview(place, params.longest_px)
-    return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
+def preview(opened: Opened, item: Item, v: Annotated[str, Field(max_length=40)] = "") -> Response:
+    """Return a preview of an image, of a photograph as JPEG; with a version `v` it is that for ever."""
+    place = opened.image_location(item)
+    media_type = "image/jpeg" if place.colour else "image/png"
+    content = opened.pictures.encoded(place, media_type, _PREVIEW_PX)
+    return Response(content, media_type=media_type, headers=IMMUTABLE if v else ASK_AGAIN)
 
 
 @router.get("/picture/thumbnail", response_class=Response)
-def thumbnail(opened: Opened, params: Query[PictureParams]) -> Response:
+def thumbnail(opened: Opened, item: Item) -> Response:
     """Return a thumbnail."""
-    drawn = opened.pictures.thumbnail(opened.image_location(params.item))
-    return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)
+    content = opened.pictures.encoded(opened.image_location(item), "image/webp", _THUMBNAIL_PX)
+    return Response(content, media_type="image/webp", headers=ASK_AGAIN)

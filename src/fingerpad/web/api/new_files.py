@@ -9,6 +9,7 @@ from pydantic import Field
 from fingerpad.study.editing.propose import (
     NewFile,
     Proposal,
+    StatedValues,
     proposed_edits,
     stated_values,
     with_scales,
@@ -16,36 +17,36 @@ from fingerpad.study.editing.propose import (
 )
 from fingerpad.study.imports.identify import (
     FileColumn,
+    FileRow,
     Guess,
     identify_file,
     join_files,
     parse_file_table,
     read_file_table,
 )
-from fingerpad.study.imports.names import FileValues, Use, match_file_names
-from fingerpad.study.manifest.load import LoadedStudy
-from fingerpad.web.answers import Answer, Face
-from fingerpad.web.api.base import Body, FileParams, Item, Opened, Params, Query, router
-from fingerpad.web.errors import RequestError
+from fingerpad.study.imports.names import FileValues, match_file_names
+from fingerpad.web.answers import Answer, RequestError
+from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.pictures import Cache, ImageLocation
+from fingerpad.web.study_session import StudySession
 
 NewFiles = Annotated[list[NewFile], Field(max_length=20_000)]
 # One at a time: together pictures could take more memory than the limit of each.
 _READING: Final = Lock()
-_FOUND: Final[Cache[Guess]] = Cache(2000, lambda _: 1)
+_FOUND: Final[Cache[Guess]] = Cache(2000)
 
 
 @router.get("/files/identity")
-def identity(opened: Opened, params: Query[FileParams]) -> Guess:
+def identity(opened: Opened, file: Item) -> Guess:
     """Guess what a file is."""
-    place = ImageLocation(opened.file(params.file))
+    place, limit = ImageLocation(opened.file(file)), opened.pictures.memory_limit
     with _READING:
-        found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
-    return with_scales(found, _scales(opened.read()))
+        found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=limit))
+    return with_scales(found, _scales(opened))
 
 
-def _scales(loaded: LoadedStudy) -> dict[str, Any]:
-    return {one.key: one.content for one in loaded.tables if one.kind == "scale"}
+def _scales(opened: StudySession) -> dict[str, Any]:
+    return {one.key: one.content for one in opened.read().tables if one.kind == "scale"}
 
 
 class TableParams(Params):
@@ -56,20 +57,6 @@ class TableParams(Params):
     files: NewFiles
 
 
-class StatedValues(Answer):
-    """What a spreadsheet or a name states of a file, for a new file; null where nothing."""
-
-    use: Use | None = None
-    person: str | None = None
-    finger: str | None = None
-    face: Face | None = None
-    wedge_angle_deg: float | None = None
-    load_N: float | None = None  # noqa: N815
-    scale: str | None = None
-    session: str | None = None
-    guessed: list[str]
-
-
 class StatedFile(Answer):
     """A file, what is stated of it, and what could not be read."""
 
@@ -78,19 +65,12 @@ class StatedFile(Answer):
     problem: str
 
 
-class TableRow(Answer):
-    """A row of a spreadsheet that names no new file, or one that another row names too."""
-
-    line: int
-    file: str
-
-
 class JoinedTable(Answer):
-    """A spreadsheet joined to new files."""
+    """A spreadsheet joined to new files; the rows are those that name none, or one that another names too."""
 
     columns: tuple[FileColumn, ...]
     files: list[StatedFile]
-    rows_without_file: list[TableRow]
+    rows_without_file: list[FileRow]
     files_without_row: list[str]
 
 
@@ -103,17 +83,12 @@ def join(opened: Opened, params: Body[TableParams]) -> JoinedTable:
         table = parse_file_table(params.text)
     else:
         raise RequestError.impossible("give a file or a text")
-    new = {one.file: one for one in params.files}
+    new, scales = {one.file: one for one in params.files}, _scales(opened)
     found = join_files(table, new)
-    scales = _scales(opened.read())
-    problems = {id(row.values): row.problems for row in table.rows}
     return JoinedTable.of(
         found,
         columns=table.columns,
-        files=[
-            _stated(scales, new[file], values, problems[id(values)]) for file, values in found.values.items()
-        ],
-        rows_without_file=[TableRow.of(row) for row in found.rows_without_file],
+        files=[_stated(scales, new[file], row.values, row.problems) for file, row in found.rows.items()],
     )
 
 
@@ -127,11 +102,9 @@ class PatternParams(Params):
 @router.post("/files/pattern")
 def match(opened: Opened, params: Body[PatternParams]) -> list[StatedFile]:
     """Read the names of new files by a pattern."""
-    found = match_file_names(params.pattern, [one.file for one in params.files])
-    scales = _scales(opened.read())
-    return [
-        _stated(scales, new, one.values, (one.problem,)) for new, one in zip(params.files, found, strict=True)
-    ]
+    scales, found = _scales(opened), match_file_names(params.pattern, [one.file for one in params.files])
+    pairs = zip(params.files, found, strict=True)
+    return [_stated(scales, new, one.values, (one.problem,)) for new, one in pairs]
 
 
 def _stated(
@@ -139,13 +112,7 @@ def _stated(
 ) -> StatedFile:
     taken, problem = stated_values(new, values, scales)
     words = "; ".join(filter(None, (*problems, problem)))
-    return StatedFile(file=new.file, values=StatedValues.model_validate(taken), problem=words)
-
-
-class WrittenParams(Params):
-    """A scale as a person writes it."""
-
-    words: Annotated[str, Field(max_length=200)]
+    return StatedFile(file=new.file, values=taken, problem=words)
 
 
 class WrittenScale(Answer):
@@ -155,9 +122,9 @@ class WrittenScale(Answer):
 
 
 @router.get("/files/scale")
-def scale(opened: Opened, params: Query[WrittenParams]) -> WrittenScale:
+def scale(opened: Opened, words: Annotated[str, Field(max_length=200)]) -> WrittenScale:
     """Read a scale: a number with its unit, or the name of one."""
-    return WrittenScale(scale=written_scale(params.words, _scales(opened.read())))
+    return WrittenScale(scale=written_scale(words, _scales(opened)))
 
 
 class ProposalParams(Params):

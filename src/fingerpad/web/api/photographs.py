@@ -1,6 +1,7 @@
 """Photographs of a finger's faces, measured under corrections, and their combination."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final, Literal
@@ -30,33 +31,26 @@ from fingerpad.study.measuring.fingers import (
     outline_radii,
     photograph_item,
 )
-from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantity, semi_axes
+from fingerpad.web.answers import (
+    Answer,
+    Axis,
+    Face,
+    MeasuredBy,
+    Point,
+    Quantity,
+    RequestError,
+    quantities,
+    semi_axes,
+)
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, router
 from fingerpad.web.api.scales import scale_of
-from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
 
-_FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
-_AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
-_outline_radii: Final = lru_cache(maxsize=60)(outline_radii)  # once for each fit that is kept
+_FITS: Final[Cache[PhotographFit | FingerpadError]] = Cache(120)
+_outline_radii: Final = lru_cache(maxsize=120)(outline_radii)  # once for each fit that is kept
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
-
-
-class Handles(Params):
-    """Where the handles of a face's ellipse are."""
-
-    centre_px: PointParam
-    across_end_px: PointParam
-    along_end_px: PointParam
-
-
-class FaceAxes(Answer):
-    """Semi-axes that a face gives."""
-
-    semi_axes_mm: dict[Axis, Quantity]
 
 
 class FaceDifference(Answer):
@@ -88,13 +82,16 @@ class SideRadius(Answer):
     ellipse_mm: Quantity
 
 
-class PhotographMeasurement(FaceAxes):
-    """A photograph measured under a correction; the terms of its uncertainty in words."""
+class PhotographMeasurement(Answer):
+    """A photograph measured under a correction; the terms of its uncertainty in words.
+
+    `handles_px` are the centre and the ends of the semi-axes across and along.
+    """
 
     by: MeasuredBy
-    axes: list[Axis]
+    semi_axes_mm: dict[Axis, Quantity]
     ellipse_px: ManualFaceEllipse
-    handles: Handles
+    handles_px: tuple[Point, Point, Point]
     points_px: list[Point]
     outliers_px: list[Point]
     uncertainty_words: dict[Axis, str]
@@ -104,7 +101,7 @@ class PhotographMeasurement(FaceAxes):
     tilt_deg: Quantity
     flags: list[str]
     mm_per_px: float
-    automatic: FaceAxes | None
+    automatic: dict[Axis, Quantity] | None
     finger: CombinedFaces | None
     finger_error: str | None
 
@@ -114,7 +111,7 @@ class PhotographParams(Params):
 
     item: Item
     change: PhotographCorrection | None = None
-    handles: Handles | None = None
+    handles_px: tuple[PointParam, PointParam, PointParam] | None = None
     face: Literal["palmar", "distal", "radial", "ulnar"] | None = None
     scale: ScaleKey | None = None
     with_finger: bool = False
@@ -124,8 +121,8 @@ class PhotographParams(Params):
 def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasurement:
     """Measure a photograph under a correction; nothing is stored."""
     finger, photograph = _table(opened, params)
-    change = params.change or photograph_correction(opened.corrections.active_correction(params.item))
-    fit = _fit(opened, params.item, photograph, change, params.handles)
+    change = params.change or _stored(opened, params.item)
+    fit = _fit(opened, params.item, photograph, change, params.handles_px)
     together, error = None, None
     if params.with_finger and finger is not None:
         try:
@@ -134,17 +131,18 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
             error = str(fault)
     elif params.with_finger and not params.item.startswith("file:"):
         error = "The other faces of this finger are not complete yet."
-    manual = params.handles is not None or change.ellipse_px is not None
+    manual = params.handles_px is not None or change.ellipse_px is not None
     edited = manual or bool(change.edits)
-    automatic = _automatic(opened, params.item, photograph) if edited else None
-    centre, across, along = fit.handles
+    automatic = None
+    if edited:
+        with suppress(FingerpadError):
+            automatic = _axes(_fit(opened, params.item, photograph, PhotographCorrection()))
     tilt, size = math.degrees(fit.tilt), fit.scale.mm_per_px
     return PhotographMeasurement.of(
         fit,
         by="manual" if manual else "corrected" if edited else "automatic",
-        axes=FACE_AXES[fit.face],
         ellipse_px={"centre": fit.centre, "semi_axes": fit.semi_axes / size, "tilt_deg": tilt},
-        handles={"centre_px": centre, "across_end_px": across, "along_end_px": along},
+        handles_px=fit.handles,
         points_px=fit.points.round(2),
         outliers_px=fit.outliers.round(2),
         uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
@@ -153,7 +151,7 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
         tilt_deg=tilt,
         flags=sorted(fit.flags),
         mm_per_px=size,
-        automatic=automatic and FaceAxes.of(semi_axes_mm=_axes(automatic)),
+        automatic=automatic,
         finger=together,
         finger_error=error,
     )
@@ -170,10 +168,9 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
 
 
-def _axes(fit: PhotographFit) -> dict[str, Quantity]:
-    stds = {f"{axis}_std": std for axis, std in fit.semi_axes_mm_std.items()}
-    known = fit.semi_axes_mm | stds
-    return {axis: Quantity.read(known.get, axis, "mm") for axis in FACE_AXES[fit.face]}
+def _axes(fit: PhotographFit) -> dict[Axis, Quantity]:
+    known = fit.semi_axes_mm | {f"{axis}_std": std for axis, std in fit.semi_axes_mm_std.items()}
+    return quantities(known.get, FACE_AXES[fit.face], "mm")
 
 
 def _terms(fit: PhotographFit, axis: str) -> str:
@@ -183,26 +180,12 @@ def _terms(fit: PhotographFit, axis: str) -> str:
     return ", ".join(f"{term} {value_with_uncertainty(stds[term])} mm" for term in ordered)
 
 
-def _automatic(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
-    """Return the automatic fit, None where no finger is found."""
-    assert photograph.scale is not None  # the manifest's own rule
-    scale = scale_of(opened, photograph.scale).scale
-
-    def find() -> PhotographFit | None:
-        try:
-            return _fit(opened, item, photograph, PhotographCorrection())
-        except FingerpadError:
-            return None
-
-    return _AUTOMATIC.get((opened.image_location(item).stamp, scale, photograph.model_dump_json()), find)
-
-
 def _fit(
     opened: StudySession,
     item: str,
     photograph: Photograph,
     change: PhotographCorrection,
-    handles: Handles | None = None,
+    handles: tuple[PointParam, PointParam, PointParam] | None = None,
 ) -> PhotographFit:
     """Return the manual ellipse, or the fitted one; outlines that were found are cached."""
     assert photograph.scale is not None  # the manifest's own rule
@@ -211,9 +194,9 @@ def _fit(
         return photograph_from_handles(
             photograph.face,
             scale,
-            centre=handles.centre_px,
-            across_end=handles.across_end_px,
-            along_end=handles.along_end_px,
+            centre=handles[0],
+            across_end=handles[1],
+            along_end=handles[2],
             tip=change.tip or photograph.tip,
             palmar=change.palmar_side or photograph.palmar_side,
         )
@@ -221,10 +204,16 @@ def _fit(
         return corrected_photograph(_NO_PICTURE, photograph, scale, change)
     place = opened.image_location(item)
     before = change.model_copy(update={"added_points_px": [], "erased": []})
-    found = _FITS.get(
-        (place.stamp, scale, photograph.model_dump_json(), before.model_dump_json()),
-        lambda: corrected_photograph(opened.pictures.colour(place), photograph, scale, before),
-    )
+
+    def find() -> PhotographFit | FingerpadError:
+        try:
+            return corrected_photograph(opened.pictures.pixels(place), photograph, scale, before)
+        except FingerpadError as error:
+            return error
+
+    key = place.stamp, scale, photograph.model_dump_json(), before.model_dump_json()
+    if isinstance(found := _FITS.get(key, find), FingerpadError):
+        raise found
     erased = [(stroke.points_px, stroke.radius_px) for stroke in change.erased]
     return with_marked_points(found, added=change.added_points_px, erased=erased)
 
@@ -234,12 +223,12 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
 
     None where it has neither; raises `FingerpadError` where its photographs cannot be measured.
     """
-    found, finger = known_finger(opened, name), opened.finger(name)
+    found, finger = opened.known_finger(name), opened.finger(name)
     if found is not None or finger is None:
         return found
     faces = _faces(opened, finger)
     sides = (
-        _outline_radii(_stored_fit(opened, item, one))
+        _outline_radii(_fit(opened, item, one, _stored(opened, item)))
         for one in finger.photographs
         if one.outline is None and (item := photograph_item(finger, one)) in faces
     )
@@ -277,11 +266,10 @@ def _faces(
             known = None if one.scale is None else scale_of(opened, one.scale)
             faces[own] = outline_face(one, known, opened.folder)
         else:
-            faces[own] = replace(_stored_fit(opened, own, one).face_semi_axes, scale=scale)
+            faces[own] = replace(_fit(opened, own, one, _stored(opened, own)).face_semi_axes, scale=scale)
     return faces
 
 
-def _stored_fit(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit:
-    """Return the fit of a photograph under the correction that is stored."""
-    stored = photograph_correction(opened.corrections.active_correction(item))
-    return _fit(opened, item, photograph, stored)
+def _stored(opened: StudySession, item: str) -> PhotographCorrection:
+    """Return the correction of a photograph that is stored."""
+    return photograph_correction(opened.corrections.active_correction(item))

@@ -18,25 +18,20 @@ from fingerpad.published import AuditItem, audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
 from fingerpad.study.corrections.log import ActiveCorrection
-from fingerpad.study.manifest.models import Study
-from fingerpad.study.results.load import Results
-from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
-from fingerpad.study.results.table import COLUMNS, GLOSSARY, Column, Row, items, records, with_areas
+from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
 from fingerpad.web.answers import (
     Answer,
     Cell,
     PoolingCorrectionRecord,
     Quantity,
+    RequestError,
     unit_of,
     with_unit,
 )
 from fingerpad.web.api.base import Opened, Params, Query, here, router
 from fingerpad.web.api.corrections import pooling_correction
-from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import last_results, results_faults
-from fingerpad.web.study_session import StudySession
 
 _MOST_IN_QUESTION: Final = 200
 
@@ -148,16 +143,6 @@ class AuditedNumber(Answer):
     remark: str
 
 
-def require_results(opened: StudySession) -> Results:
-    """Return the results of the last run; refuse where there are none, or they are damaged."""
-    found = last_results(opened)
-    if found is None:
-        if faults := results_faults(opened):
-            raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
-        raise RequestError.not_there("there are no results yet: run the study")
-    return found
-
-
 class RowsParams(Params):
     """Filters, order and columns of rows."""
 
@@ -176,7 +161,7 @@ class RowsParams(Params):
 @router.get("/results/rows")
 def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
     """Return some rows of the results."""
-    found = require_results(opened)
+    found = opened.require_results()
     chosen = found.table[_chosen(found.table, params)]
     if params.sort:
         key = params.sort.lstrip("-")
@@ -187,18 +172,18 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
     columns = [name for name in params.columns.split(",") if name in found.table] or [
         name for name in found.table if name not in _STDS
     ]
+    layered = any(finger.effective_thickness_mm is not None for finger in opened.study().fingers)
     shown = chosen[params.offset : params.offset + params.limit]
+    cells = zip(items(shown["observation"]), records(shown, *_with_stds(columns)), strict=True)
     return Rows.of(
         total=len(found.table),
         matching=len(chosen),
-        columns=[_column(COLUMNS[name]) for name in columns],
-        usual=[name for name in _usual(opened.study()) if name in columns],
-        rows=[
-            {"item": item, **{name: _cell(row, name) for name in columns}}
-            for item, row in zip(
-                items(shown["observation"]), records(shown, *_with_stds(columns)), strict=True
-            )
+        columns=[
+            ColumnEntry(key=name, label=_label(name), words=COLUMNS[name].meaning, symbol=_SYMBOLS.get(name))
+            for name in columns
         ],
+        usual=[name for name in _USUAL if name in columns and (layered or "layer" not in name)],
+        rows=[{"item": item, **{name: _cell(row, name) for name in columns}} for item, row in cells],
     )
 
 
@@ -223,7 +208,7 @@ def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     return chosen
 
 
-# The usual columns in their order.
+# The usual columns in their order; those of a layer where a finger has a thickness.
 _USUAL: Final = (
     *("finger", "wedge_angle_deg", "load_N", "status", "radius_from_indentation_mm", "semi_major_mm"),
     *("semi_minor_mm", "gross_area_mm2", "ridge_area_mm2", "indentation_mm", "youngs_modulus_kpa"),
@@ -243,24 +228,9 @@ _LABELS: Final = {
 _SYMBOLS: Final = {symbol.column: key for key, symbol in GLOSSARY.items() if symbol.column}
 
 
-def _usual(study: Study) -> list[str]:
-    """Return the usual columns; those of a layer where a finger has a thickness."""
-    layered = any(finger.effective_thickness_mm is not None for finger in study.fingers)
-    return [name for name in _USUAL if layered or "layer" not in name]
-
-
 def _label(name: str) -> str:
     plain = re.sub(r"_(mm2?|kpa|deg|px|N|s)$", "", name).replace("_", " ").capitalize()
     return ", ".join(filter(None, (_LABELS.get(name) or _SYMBOLS.get(name, plain), unit_of(name))))
-
-
-def _column(column: Column) -> ColumnEntry:
-    return ColumnEntry(
-        key=column.name,
-        label=_label(column.name),
-        words=column.meaning,
-        symbol=_SYMBOLS.get(column.name),
-    )
 
 
 # What is plotted against load.
@@ -268,7 +238,7 @@ _PLOTTED: Final = (
     *("radius_from_indentation_mm", "radius_from_compliance_mm", "gross_area_mm2", "aspect_ratio"),
     *("indentation_mm", "youngs_modulus_kpa", "indentation_on_layer_mm", "youngs_modulus_on_layer_kpa"),
 )
-_ON_GIVEN_PAD: Final = "radius_from_indentation_mm_fixed_geometry"
+_ON_GIVEN_PAD: Final = f"{_PLOTTED[0]}_fixed_geometry"
 
 
 def _with_stds(names: Iterable[str]) -> list[str]:
@@ -290,7 +260,7 @@ _OF_ROWS: Final = (
 @router.get("/results/plot")
 def plot(opened: Opened) -> list[PlottedGroup]:
     """Return the data to plot for each finger and placement."""
-    found = require_results(opened)
+    found = opened.require_results()
     active = opened.corrections.active_corrections()
     placed: dict[PlacementKey, list[Row]] = {one.key: [] for one in found.summary.summaries}
     # All at once: pandas takes longer to choose the rows of a placement than there is to do with them.
@@ -377,7 +347,7 @@ def budget(opened: Opened) -> list[BudgetGroup]:
             check=(check := one.uncertainty_check),
             check_words=check and f"{check.observation}: {value_with_uncertainty(check.value, check.std)} mm",
         )
-        for one in require_results(opened).summary.summaries
+        for one in opened.require_results().summary.summaries
     ]
 
 

@@ -12,13 +12,12 @@ from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.context import FoundScale, grid_of, require_scale, scale_from, scale_record
-from fingerpad.web.answers import Answer, Point, Quantity
+from fingerpad.web.answers import Answer, Point, Quantity, RequestError
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, router
-from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
 
-_FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
+_FOUND: Final[Cache[FoundScale | str]] = Cache(100)
 
 
 class CoinOutline(Answer):
@@ -81,8 +80,8 @@ def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
 
 _OUTLINE_POINTS: Final = 90
 _RECTIFIED: Final = "rectified"
-_GRIDS: Final[Cache[Grid]] = Cache(20, lambda _: 1)
-_COINS: Final[Cache[Coin]] = Cache(20, lambda _: 1)
+_GRIDS: Final[Cache[Grid]] = Cache(20)
+_COINS: Final[Cache[Coin]] = Cache(20)
 
 
 class ScaleParams(Params):
@@ -98,7 +97,7 @@ def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
     coin = grid = None
     if isinstance(table, CoinScale):
         place = ImageLocation(opened.file(table.coin))
-        coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place).pixels))
+        coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place)))
         found = FoundScale(scale=coin.scale(table.diameter_mm, table.diameter_mm_std), flags=coin.flags)
     elif isinstance(table, GridScale):
         grid = _measured_grid(opened, table)
@@ -117,7 +116,7 @@ def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
 def _measured_grid(opened: StudySession, table: GridScale) -> Grid:
     place = ImageLocation(opened.file(table.grid))
     return _GRIDS.get(
-        (place.stamp, table.model_dump_json()), lambda: grid_of(table, opened.pictures.grey(place).pixels)
+        (place.stamp, table.model_dump_json()), lambda: grid_of(table, opened.pictures.grey(place))
     )
 
 
@@ -163,7 +162,7 @@ def rectify(opened: Opened, params: Body[RectifyParams]) -> RectifiedPictures:
     folder.mkdir(exist_ok=True)
     written = {}
     for file in params.files:
-        pixels, _scale = grid.rectified(opened.pictures.grey(ImageLocation(opened.file(file))).pixels)
+        pixels, _scale = grid.rectified(opened.pictures.grey(ImageLocation(opened.file(file))))
         name = str(PurePosixPath(file).with_suffix("")).replace("/", "__")
         target = folder / f"{file_stem(name)}.png"
         good, content = cv2.imencode(".png", pixels)

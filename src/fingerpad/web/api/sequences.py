@@ -1,8 +1,8 @@
-"""The force of a sequence, beside what the last run measured on its frames."""
+"""Sequences: their frames with what the last run measured on them, and the force beside it."""
 
 from functools import partial
 from itertools import pairwise
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, TypeAlias
 
 import numpy as np
 from pydantic import Field
@@ -11,18 +11,50 @@ from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
+from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
 from fingerpad.study.corrections.changes import PhaseStart
 from fingerpad.study.engine.task import in_study
 from fingerpad.study.manifest.models import ContactSequence
-from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, Query, router
-from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import frame_rows, last_results
+from fingerpad.study.results.table import Row, records
+from fingerpad.web.answers import Answer, RequestError, Review, review_of
+from fingerpad.web.api.base import Opened, router
+from fingerpad.web.study_session import StudySession
 
 _STEPS: Final = 1000
 _SHIFTS: Final = 81
 # Frames are displaced by up to this share of the time that they cover.
 _FARTHEST: Final = 0.2
+_Name: TypeAlias = Annotated[str, Field(max_length=100)]
+
+
+class FrameEntry(Review):
+    """A frame of a sequence."""
+
+    item: str
+    frame: int
+    status: str
+    flags: list[str]
+    phase: str | None
+    phase_corrected_by: str | None
+    time_s: float | None
+    load_N: float | None  # noqa: N815
+    measured_indentation_mm: float | None
+    gross_area_mm2: float | None
+    aspect_ratio: float | None
+    interpolated: bool
+
+
+_FRAME_COLUMNS: Final = (
+    *("status", "flags", "phase", "phase_corrected_by", "time_s", "load_N"),
+    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
+)
+
+
+class Frames(Answer):
+    """Some frames of a sequence, and how many there are."""
+
+    total: int
+    frames: list[FrameEntry]
 
 
 class SequenceSignal(Answer):
@@ -44,36 +76,66 @@ class SequenceSignal(Answer):
     area_scatter: list[float | None]
 
 
-class SignalParams(Params):
-    """A sequence."""
+@router.get("/frames")
+def frames(
+    opened: Opened,
+    sequence: _Name,
+    offset: Annotated[int, Field(ge=0, le=10**9)] = 0,
+    limit: Annotated[int, Field(ge=1, le=5000)] = 2000,
+) -> Frames:
+    """Return frames of a sequence, with the results of the last run."""
+    table = opened.read().table("sequence", sequence)
+    file = table.stated.get("file") if table else None
+    if not isinstance(file, str):
+        raise RequestError.not_there(f"no sequence is named {sequence!r}")
+    total = opened.count_frames(file) or 0
+    rows = _rows(opened, sequence)
+    shown = range(min(offset, total), min(offset + limit, total))
+    active = frame_corrections(opened.corrections.active_corrections(), sequence, shown)
 
-    sequence: Annotated[str, Field(max_length=100)]
+    def entry(number: int) -> FrameEntry:
+        row, correction = rows.get(number, {}), active.get(number)
+        return FrameEntry.of(
+            row,
+            **review_of(correction),
+            item=f"{sequence}#{number}",
+            frame=number,
+            status=row.get("status", "none"),
+            flags=(row.get("flags") or "").split(),
+            interpolated=correction is not None and isinstance(correction.change, InterpolatedCorrection),
+        )
+
+    return Frames(total=total, frames=[entry(number) for number in shown])
+
+
+def _rows(opened: StudySession, sequence: str) -> dict[int, Row]:
+    """Return what the last run measured on the frames of a sequence, by their numbers."""
+    if (found := opened.results()) is None:
+        return {}
+    of_it = found.table[(found.table["sequence"] == sequence) & found.table["frame"].notna()]
+    return {row["frame"]: row for row in records(of_it, "frame", *_FRAME_COLUMNS)}
 
 
 @router.get("/signal")
-def signal(opened: Opened, params: Query[SignalParams]) -> SequenceSignal:
+def signal(opened: Opened, sequence: _Name) -> SequenceSignal:
     """Return the force of a sequence over time, and how well its frames agree with it."""
-    sequence = opened.sequence(params.sequence)
-    if not sequence.force:
+    stated = opened.sequence(sequence)
+    if not stated.force:
         raise RequestError.impossible("state the force of the sequence")
-    columns = {str(name): column for name, column in sequence.force_columns.items()}
+    columns = {str(name): column for name, column in stated.force_columns.items()}
     try:
         with columns_named_by(partial(columns_in_toml, "force_columns")):
-            force = read_force_signal(opened.folder / sequence.force, columns)
+            force = read_force_signal(opened.folder / stated.force, columns)
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
-    found = last_results(opened)
-    rows = frame_rows(found.table, sequence.name, "time_s", "gross_area_mm2") if found else {}
-    timed = {frame: row for frame, row in rows.items() if row["time_s"] is not None}
+    timed = {frame: row for frame, row in _rows(opened, sequence).items() if row["time_s"] is not None}
     drawn, phases = _extremes(force), phase_intervals(force.time, force.load)
+    starts = zip(phases.phase, phases.start, strict=True)
     return SequenceSignal.of(
         time_s=force.time[drawn],
         load_N=force.load[drawn],
-        phases=[
-            {"phase": phase, "start_s": start}
-            for phase, start in zip(phases.phase, phases.start, strict=True)
-        ],
-        **_alignment(sequence, force, timed),
+        phases=[{"phase": phase, "start_s": start} for phase, start in starts],
+        **_alignment(stated, force, timed),
     )
 
 
@@ -86,9 +148,7 @@ def _extremes(force: ForceSignal) -> Any:
     return np.unique([start + end(loads) for start, loads in steps for end in (np.argmin, np.argmax)])
 
 
-def _alignment(
-    sequence: ContactSequence, force: ForceSignal, timed: dict[int, dict[str, Any]]
-) -> dict[str, Any]:
+def _alignment(sequence: ContactSequence, force: ForceSignal, timed: dict[int, Row]) -> dict[str, Any]:
     """Return the time of frame 0, and the scatter of areas by how much later the frames would be."""
     if sequence.times is not None or len(timed) < 2:
         return {"start_s": None, "shift_s": [], "area_scatter": []}

@@ -15,13 +15,12 @@ from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, Query, router, saved_as
-from fingerpad.web.api.results import require_results
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
 
 # The finger, its law, and the finite elements of its tissue or why there are none.
 _Simulated: TypeAlias = tuple[MeasuredPad, SimulatorLaw, FiniteElements | None, str]
-_SIMULATED: Final[Cache[_Simulated]] = Cache(50, lambda _: 1)
+_SIMULATED: Final[Cache[_Simulated]] = Cache(50)
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 
@@ -95,7 +94,7 @@ def export(opened: Opened, params: Query[SimulatorParams]) -> Response:
 
 def _simulated(opened: StudySession, params: SimulatorParams) -> _Simulated:
     """Return what no mass changes."""
-    require_results(opened)
+    opened.require_results()
     asked = params.model_copy(update={"mass_kg": 0.0})
 
     def simulated() -> _Simulated:

@@ -1,51 +1,35 @@
 """The state of a study: its contents, missing entries, and the status of each item."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, TypeAlias, get_args
+from typing import Annotated, Any, TypeAlias, get_args
 
 import numpy as np
-from pydantic import (
-    Field,
-    StrictFloat,
-    StrictStr,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-)
+from pydantic import StrictFloat, StrictStr, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
 from fingerpad.flags import FLAGS, Flag
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
-from fingerpad.study.corrections.log import (
-    CORRECTIONS_NAME,
-    SECOND_OPERATOR_NAME,
-    ActiveCorrection,
-    is_rejected,
-)
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, is_rejected
 from fingerpad.study.editing.propose import NewFile, named_file, scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.identify import kind_of_file
 from fingerpad.study.imports.names import FileKind
-from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy
-from fingerpad.study.manifest.models import Apparatus, Study, Surface, Uncertainty
+from fingerpad.study.manifest.load import STUDY_NAME, Kind, Table
+from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
-from fingerpad.study.results.load import Results
 from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
-from fingerpad.web.answers import Answer, Axis, Face, Quantity, Status, semi_axes
-from fingerpad.web.api.base import Opened, Params, Query, router
+from fingerpad.web.answers import Answer, Axis, Face, Quantity, Review, Status, review_of, semi_axes
+from fingerpad.web.api.base import Opened, router
 from fingerpad.web.events import RunStatus
-from fingerpad.web.last_results import frame_rows, known_finger, last_results, results_faults
-from fingerpad.web.study_session import StudySession, table_content
+from fingerpad.web.study_session import StudySession
 
 
 def _or_null(value: Any, validated: ValidatorFunctionWrapHandler) -> Any:
@@ -60,15 +44,6 @@ Text: TypeAlias = Annotated[StrictStr | None, WrapValidator(_or_null)]
 Number: TypeAlias = Annotated[StrictFloat | None, WrapValidator(_or_null)]
 StatedScale: TypeAlias = Annotated[str | dict[str, Any] | None, WrapValidator(_or_null)]
 StatedFace: TypeAlias = Annotated[Face | None, WrapValidator(_or_null)]
-
-
-class Review(Answer):
-    """What a person did to an item."""
-
-    corrected: bool
-    accepted: bool
-    rejected: str | None
-    who: str | None
 
 
 class ScaleEntry(Answer):
@@ -206,113 +181,66 @@ class State(Answer):
     results: ResultsStatus
 
 
-class FrameEntry(Review):
-    """A frame of a sequence."""
-
-    item: str
-    frame: int
-    status: str
-    flags: list[str]
-    phase: str | None
-    phase_corrected_by: str | None
-    time_s: float | None
-    load_N: float | None  # noqa: N815
-    measured_indentation_mm: float | None
-    gross_area_mm2: float | None
-    aspect_ratio: float | None
-    interpolated: bool
-
-
-_FRAME_COLUMNS: Final = (
-    *("status", "flags", "phase", "phase_corrected_by", "time_s", "load_N"),
-    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
-)
-
-
-class Frames(Answer):
-    """Some frames of a sequence, and how many there are."""
-
-    total: int
-    frames: list[FrameEntry]
-
-
-def state_of(opened: StudySession) -> State:
+@router.get("/state")
+def state_of(opened: Opened) -> State:
     """Return the state of a study; nothing is measured."""
-    loaded = opened.read()
-    study = loaded.study
-    active = opened.corrections.active_corrections()
-    known = _Known(
-        opened=opened,
-        loaded=loaded,
-        states=_item_states(study, opened, active),
-        active=active,
-        found=last_results(opened),
-    )
-    counts = Counter(known.states.values())
-    return State.of(
-        study,
-        name=opened.name,
-        digest=loaded.digest,
-        stated=sorted(study.uncertainty.model_fields_set),
-        taken_as_exact=study.taken_as_exact(),
-        assumed=study.assumed(),
-        doubts=list(study.doubts()),
-        ready=not loaded.issues,
-        missing=opened.missing(),
-        scales=known.scales(),
-        fingers=[known.finger(*one) for one in known.tables("finger")],
-        observations=known.observations(),
-        sequences=[known.sequence(*one) for one in known.tables("sequence")],
-        curves=known.curves(),
-        files=_files(opened),
-        flags=FLAGS,
-        counts={name: counts[name] for name in ("done", "failed", "stale", "left")},
-        run=opened.run_job.describe(),
-        results=known.results(counts),
-    )
+    return _Known(opened).state()
 
 
-def _item_states(
-    study: Study, opened: StudySession, active: Mapping[str, ActiveCorrection]
-) -> dict[str, str]:
-    """Return the status of each item: done, failed, stale or left."""
-    path = opened.out / STORE_NAME
-    if path.is_file():
-        # A run reports what is wrong with the store.
-        with suppress(OSError, StoreError), Store.reading(path) as store:
-            return item_states(StudyItems.of(RunContext.of(study, opened.folder, active, store)))
-    return item_states(StudyItems.of(RunContext.of(study, opened.folder, active, None)))
-
-
-def review_record(correction: ActiveCorrection | None) -> dict[str, Any]:
-    """Return the review of an item."""
-    return {
-        "corrected": correction is not None and bool(correction.change.edits),
-        "accepted": correction is not None and correction.change.accepted,
-        "rejected": correction and correction.change.rejected,
-        "who": correction and correction.who,
-    }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Known:
     """What is known of a study, and what of that is said of each of its tables."""
 
-    opened: StudySession
-    loaded: LoadedStudy
-    states: Mapping[str, str]
-    active: Mapping[str, ActiveCorrection]
-    found: Results | None
+    def __init__(self, opened: StudySession) -> None:
+        self.opened, self.loaded, self.found = opened, opened.read(), opened.results()
+        self.active = opened.corrections.active_corrections()
+        self.states = self._item_states()
 
-    def tables(self, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
-        """Yield key and content of each table of a kind, and whether it is complete."""
-        return ((one.key, table_content(one), one.complete) for one in self.loaded.tables if one.kind == kind)
+    def _item_states(self) -> dict[str, str]:
+        """Return the status of each item: done, failed, stale or left."""
+
+        def states(store: Store | None) -> dict[str, str]:
+            context = RunContext.of(self.loaded.study, self.opened.folder, self.active, store)
+            return item_states(StudyItems.of(context))
+
+        path = self.opened.out / STORE_NAME
+        if path.is_file():
+            # A run reports what is wrong with the store.
+            with suppress(OSError, StoreError), Store.reading(path) as store:
+                return states(store)
+        return states(None)
+
+    def state(self) -> State:
+        opened, study, counts = self.opened, self.loaded.study, Counter(self.states.values())
+        return State.of(
+            study,
+            name=opened.name,
+            digest=self.loaded.digest,
+            stated=sorted(study.uncertainty.model_fields_set),
+            taken_as_exact=study.taken_as_exact(),
+            assumed=study.assumed(),
+            doubts=list(study.doubts()),
+            ready=not self.loaded.issues,
+            missing=opened.missing(),
+            scales=self.scales(),
+            fingers=[self.finger(one) for one in self.tables("finger")],
+            observations=self.observations(),
+            sequences=[self.sequence(one) for one in self.tables("sequence")],
+            curves=self.curves(),
+            files=self.files(),
+            flags=FLAGS,
+            counts={name: counts[name] for name in ("done", "failed", "stale", "left")},
+            run=opened.run_job.describe(),
+            results=self.results(fresh=not counts["stale"] + counts["left"]),
+        )
+
+    def tables(self, kind: Kind) -> list[Table]:
+        return [one for one in self.loaded.tables if one.kind == kind]
 
     def status(self, item: str) -> str:
         """Return the status of an item; rejected items are only that."""
         return "rejected" if is_rejected(self.active.get(item)) else self.states.get(item, "left")
 
-    def stated(self, table: Mapping[str, Any], *, complete: bool = True) -> dict[str, Any]:
+    def of_table(self, table: Mapping[str, Any], *, complete: bool = True) -> dict[str, Any]:
         """Return what a table states, and what follows: its surface is its own, or that of the study."""
         surface = table.get("surface")
         return {
@@ -329,34 +257,35 @@ class _Known:
             names = (table.get("scale") for table in one.tables)
             uses.update(name for name in names if isinstance(name, str))
         return [
-            ScaleEntry(
-                name=name, table=table, words=scale_words(table), used_by=uses[name], complete=complete
+            ScaleEntry.of(
+                one, name=one.key, table=one.stated, words=scale_words(one.stated), used_by=uses[one.key]
             )
-            for name, table, complete in self.tables("scale")
+            for one in self.tables("scale")
         ]
 
-    def finger(self, name: str, table: dict[str, Any], complete: bool) -> FingerEntry:
-        finger = next((one for one in self.loaded.study.fingers if one.name == name), None)
+    def finger(self, one: Table) -> FingerEntry:
+        name, table = one.key, one.stated
+        finger = self.opened.finger(name)
         record = self.found.summary.finger(name) if self.found else None
-        known = known_finger(self.opened, name) if complete else None
+        known = self.opened.known_finger(name) if one.complete else None
         status = "left" if finger is None else semi_axes_state(finger, self.states, record)
         return FingerEntry.of(
-            self.stated(table, complete=complete),
+            self.of_table(table, complete=one.complete),
             name=name,
             table=table,
             semi_axes_mm=known and semi_axes(known.semi_axes, np.sqrt(known.covariance.diagonal()), ""),
             effective_thickness_mm=Quantity.read(table.get, "effective_thickness_mm", ""),
             status=status,
             reason=record.reason if record and status == "failed" else None,
-            photographs=[self.photograph(name, one) for one in table.get("photographs", [])],
+            photographs=[self.photograph(name, each) for each in table.get("photographs", [])],
         )
 
     def photograph(self, finger: str, table: Mapping[str, Any]) -> PhotographEntry:
         file = next((one for key in ("file", "outline") if isinstance(one := table.get(key), str)), None)
         item = f"{finger}/{file}"
         return PhotographEntry.of(
-            self.stated(table),
-            **review_record(self.active.get(item)),
+            self.of_table(table),
+            **review_of(self.active.get(item)),
             item=item,
             file=file,
             outline="outline" in table,
@@ -368,24 +297,26 @@ class _Known:
         if self.found:
             contacts = self.found.table[self.found.table["frame"].isna()]
             seen = {one["observation"]: one for one in records(contacts, "observation", "flags", "reason")}
-        return [
-            ObservationEntry.of(
-                self.stated(table, complete=complete),
-                **review_record(self.active.get(name)),
-                item=name,
-                status="given" if "ellipse_mm" in table else self.status(name),
-                flags=(seen.get(name, {}).get("flags") or "").split(),
-                reason=seen.get(name, {}).get("reason"),
-            )
-            for name, table, complete in self.tables("observation")
-        ]
 
-    def sequence(self, name: str, table: dict[str, Any], complete: bool) -> SequenceEntry:
-        file = table.get("file")
+        def entry(one: Table) -> ObservationEntry:
+            table, row = one.stated, seen.get(one.key, {})
+            return ObservationEntry.of(
+                self.of_table(table, complete=one.complete),
+                **review_of(self.active.get(one.key)),
+                item=one.key,
+                status="given" if "ellipse_mm" in table else self.status(one.key),
+                flags=(row.get("flags") or "").split(),
+                reason=row.get("reason"),
+            )
+
+        return [entry(one) for one in self.tables("observation")]
+
+    def sequence(self, one: Table) -> SequenceEntry:
+        file = one.stated.get("file")
         return SequenceEntry.of(
-            self.stated(table, complete=complete),
-            name=name,
-            status=self.states.get(name, "left"),
+            self.of_table(one.stated, complete=one.complete),
+            name=one.key,
+            status=self.states.get(one.key, "left"),
             frames=self.opened.count_frames(file) if isinstance(file, str) else None,
         )
 
@@ -394,30 +325,45 @@ class _Known:
         seen = self.found.summary.curves if self.found else []
         reasons = {(one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen}
 
-        def entry(key: str, table: dict[str, Any], complete: bool) -> CurveEntry:
-            item = next(names) if complete else None
+        def entry(one: Table) -> CurveEntry:
+            table, item = one.stated, (next(names) if one.complete else None) or ""
             at: Any = tuple(map(table.get, ("finger", "wedge_angle_deg", "file")))
             return CurveEntry.of(
-                self.stated(table, complete=complete),
-                key=key,
+                self.of_table(table, complete=one.complete),
+                key=one.key,
                 loading_radius_mm=Quantity.read(table.get, "loading_radius_mm", ""),
-                status=self.states.get(item or "", "given"),
-                reason=reasons.get(at) if complete else None,
+                status=self.states.get(item, "given"),
+                reason=reasons.get(at) if one.complete else None,
             )
 
-        return [entry(*one) for one in self.tables("curve")]
+        return [entry(one) for one in self.tables("curve")]
 
-    def results(self, counts: Mapping[str, int]) -> ResultsStatus:
-        """Return whether there are results and a report, and whether they are up to date."""
+    def files(self) -> list[FileEntry]:
+        unused = {one.key for one in self.opened.missing() if one.kind == "file"}
+        folders = tuple(f"{one.key}/" for one in self.opened.missing() if one.kind == "folder")
+        fingers = [finger.name for finger in self.loaded.study.fingers]
+
+        def entry(name: str, size: int) -> FileEntry:
+            kind, reading = kind_of_file(name), None
+            if name in unused:
+                if Path(name).suffix.lower() in TIFF_SUFFIXES and (self.opened.count_frames(name) or 1) > 1:
+                    kind = "sequence"
+                reading = named_file(name, kind, fingers)
+            used = reading is None and not name.startswith(folders)
+            return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=reading)
+
+        return [entry(name, status.st_size) for name, status in self.opened.files().items()]
+
+    def results(self, *, fresh: bool) -> ResultsStatus:
+        """Return whether there are results and a report; `fresh` tells whether all items are done."""
         made = self.found.summary.provenance if self.found else None
         has_report = (self.opened.out / REPORT_NAME).is_file()
-        measured = not counts["stale"] + counts["left"]
         return ResultsStatus(
             there=made is not None,
-            faults=results_faults(self.opened),
+            faults=self.opened.results_faults(),
             report=has_report,
             finished=made.made if made else None,
-            fresh=bool(made and measured and has_report and self._has_same_inputs(made.inputs_sha256)),
+            fresh=bool(made and fresh and has_report and self._has_same_inputs(made.inputs_sha256)),
         )
 
     def _has_same_inputs(self, known: Mapping[str, str]) -> bool:
@@ -425,58 +371,3 @@ class _Known:
         sheet = self.loaded.study.observations_csv
         names = filter(None, (STUDY_NAME, sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
         return all(digest_of(self.opened.folder / name) == known.get(name, "") for name in names)
-
-
-def _files(opened: StudySession) -> list[FileEntry]:
-    unused = {one.key for one in opened.missing() if one.kind == "file"}
-    folders = tuple(f"{one.key}/" for one in opened.missing() if one.kind == "folder")
-    fingers = [finger.name for finger in opened.study().fingers]
-
-    def entry(name: str, size: int) -> FileEntry:
-        kind, reading = kind_of_file(name), None
-        if name in unused:
-            if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
-                kind = "sequence"
-            reading = named_file(name, kind, fingers)
-        used = reading is None and not name.startswith(folders)
-        return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=reading)
-
-    return [entry(name, status.st_size) for name, status in opened.files().items()]
-
-
-@router.get("/state")
-def state(opened: Opened) -> State:
-    """Return the state of the open study."""
-    return state_of(opened)
-
-
-class FramesParams(Params):
-    """Frames of a sequence."""
-
-    sequence: Annotated[str, Field(max_length=100)]
-    offset: Annotated[int, Field(ge=0, le=10**9)] = 0
-    limit: Annotated[int, Field(ge=1, le=5000)] = 2000
-
-
-@router.get("/frames")
-def frames(opened: Opened, params: Query[FramesParams]) -> Frames:
-    """Return frames of a sequence, with the results of the last run."""
-    name, found = params.sequence, last_results(opened)
-    total = opened.count_frames(opened.sequence_file(name)) or 0
-    rows = frame_rows(found.table, name, *_FRAME_COLUMNS) if found else {}
-    shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    active = frame_corrections(opened.corrections.active_corrections(), name, shown)
-
-    def entry(number: int) -> FrameEntry:
-        row, correction = rows.get(number, {}), active.get(number)
-        return FrameEntry.of(
-            row,
-            **review_record(correction),
-            item=f"{name}#{number}",
-            frame=number,
-            status=row.get("status", "none"),
-            flags=(row.get("flags") or "").split(),
-            interpolated=correction is not None and isinstance(correction.change, InterpolatedCorrection),
-        )
-
-    return Frames(total=total, frames=[entry(number) for number in shown])

@@ -20,10 +20,9 @@ from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Us
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
-from fingerpad.web.answers import Answer, Face
+from fingerpad.web.answers import Answer, Face, RequestError
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
-from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
 from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of
 

@@ -181,9 +181,7 @@ export class NewFiles {
 
   /** Take what is stated of files into the drafts. */
   #take(stated) {
-    for (const { file, values } of stated)
-      for (const [key, value] of Object.entries(values))
-        if (value !== null) this.drafts.get(file)[key] = value;
+    for (const { file, values } of stated) Object.assign(this.drafts.get(file), values);
     this.draw();
   }
 

@@ -128,7 +128,7 @@ export class NewFileTools {
   /** Show what the pattern gives. @param {Answers["StatedFile"][]} files */
   #show(files) {
     this.matches = files;
-    const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));
+    const keys = SHOWN.filter(([key]) => files.some(({ values }) => key in values));
     const fit = files.filter(({ problem }) => !problem).length;
     const byProblem = (one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem));
     render(this.preview, [

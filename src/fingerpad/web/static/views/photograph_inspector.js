@@ -62,11 +62,11 @@ export class PhotographInspector extends Inspector {
     render(this.parts.face, [
       h("div.headline", [h("h3", "This face"), chip(answer.by, automatic ? "accent" : "")]),
       h("dl.readings", { "data-live": "face" }, [
-        answer.axes.map((axis) =>
+        Object.keys(answer.semi_axes_mm).map((axis) =>
           quantityRow(`${NAMES[axis]} semi-axis`, answer.semi_axes_mm[axis].words, {
             mark: "face",
             title: `Standard uncertainty: ${answer.uncertainty_words[axis]}`,
-            was: automatic?.semi_axes_mm[axis].words,
+            was: automatic?.[axis].words,
           }),
         ),
         quantityRow("Arc of the pad", answer.arc_deg.words),

@@ -116,9 +116,8 @@ export class Photographs extends Review {
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     if (!live) {
-      const { centre_px: centre, across_end_px: across, along_end_px: along } = answer.handles;
       this.stage.setMessage("");
-      this.editor.place(centre, across, along);
+      this.editor.place(...answer.handles_px);
       this.#points(answer);
       this.stage.tool?.dry?.();
       this.showTool();
@@ -177,25 +176,21 @@ export class Photographs extends Review {
     this.line.layer.style.display = this.tool === "length" ? "" : "none";
   }
 
-  /** @returns {NonNullable<BodyOf<"/measure/photograph", "post">["handles"]>} */
+  /** @returns {NonNullable<BodyOf<"/measure/photograph", "post">["handles_px"]>} */
   #handles() {
-    return {
-      centre_px: this.editor.value.centre,
-      across_end_px: this.editor.end(0),
-      along_end_px: this.editor.end(1),
-    };
+    return [this.editor.value.centre, this.editor.end(0), this.editor.end(1)];
   }
 
   dragged() {
-    return { change: this.corrections.change, handles: this.#handles() };
+    return { change: this.corrections.change, handles_px: this.#handles() };
   }
 
   /** Save the ellipse of the handles. */
   dropped() {
     const { item } = this.corrections;
-    const handles = this.#handles();
+    const handles_px = this.#handles();
     this.keep(async (change) => {
-      const { ellipse_px: ellipse } = await post("/measure/photograph", { item, change, handles });
+      const { ellipse_px: ellipse } = await post("/measure/photograph", { item, change, handles_px });
       return { ...change, ellipse_px: ellipse };
     });
   }
