@@ -144,7 +144,7 @@ def _fill(manifest: Path, out: Path) -> None:
     study, folder = read_study(manifest), manifest.parent
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
-        context = RunContext.of(study, folder, {}, store)
+        context = RunContext(study=study, folder=folder, store=store)
         context = replace(context, scales=measured_scales(study, folder))
         records: dict[str, str] = {}
         for sequence in study.sequences:

@@ -93,7 +93,14 @@ def semi_axes_states(finished: Path, run_of: StudyResult | None) -> dict[str, st
     records = {one.finger: one for one in summary_of(run_of).fingers} if run_of else {}
     with Store.reading(finished.parent / "out" / STORE_NAME) as store:
         states = item_states(
-            StudyItems.of(RunContext.of(study, finished.parent, log.active_corrections(), store))
+            StudyItems.of(
+                RunContext(
+                    study=study,
+                    folder=finished.parent,
+                    active_corrections=log.active_corrections(),
+                    store=store,
+                )
+            )
         )
     return {one.name: semi_axes_state(one, states, records.get(one.name)) for one in study.fingers}
 

@@ -17,6 +17,7 @@ from tests.studies import finger, write_study
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
 from fingerpad.study.imports.ellipses import (
+    FIELDS,
     ManualObservation,
     MeasuredEllipse,
     manual_observations,
@@ -362,9 +363,10 @@ def observations(*ellipses: MeasuredEllipse, **given: object) -> list[ManualObse
 )
 def test_labels_tell_what_the_pattern_says(pattern, label, reported):
     found = observations(ellipse(label), ellipse("other"), pattern=pattern)
-    assert [row.values for row in found] == [reported, {}]
+    stated = {"include": {*FIELDS}, "exclude_none": True}
+    assert [row.model_dump(**stated) for row in found] == [reported, {}]
     (row,) = observations(ellipse("S7"), pattern="{person}", known={"finger": "index"})
-    assert row.values == {"finger": "S7_index"}
+    assert row.model_dump(**stated) == {"finger": "S7_index"}
 
 
 @pytest.mark.parametrize(

@@ -95,7 +95,7 @@ def import_fiji(
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.source}: {doubt}", err=True)
-    show.result([row.as_record() for row in found], as_json, lambda _: _print_outcome(out, found))
+    show.result([row.model_dump() for row in found], as_json, lambda _: _print_outcome(out, found))
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "fp.Scale | None") -> float:

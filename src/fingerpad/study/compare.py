@@ -1,7 +1,7 @@
 """Finished studies side by side: each finger's values, and means with the scatter between people."""
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -36,6 +36,21 @@ class FinishedStudy(NamedTuple):
     def title(self) -> str:
         """The study's title."""
         return self.summary.title
+
+    def owner(self, of: FingerRecord | PlacementRecord | CurveRecord) -> dict[str, Any]:
+        """Return the first fields of an `OfFinger` from a part of the summary."""
+        finger = self.summary.finger(of.finger)
+        assert finger is not None  # as a run writes it
+        return {
+            "study": self.title,
+            "finger": of.finger,
+            "digit": finger.digit,
+            "person": Person(finger.person or self.title, bool(finger.person)),
+            "synthetic": of.synthetic,
+            # What is of the finger alone has no angles.
+            "wedge_angle_deg": None if isinstance(of, FingerRecord) else of.wedge_angle_deg,
+            "roll_angle_deg": of.roll_angle_deg if isinstance(of, PlacementRecord) else None,
+        }
 
     def __repr__(self) -> str:
         made = self.summary.provenance.made
@@ -98,6 +113,13 @@ class Person(NamedTuple):
     named: bool  # whether the manifest names the person, who is then the same in all studies
 
 
+_PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
+
+
+def _fields(of: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(of, name) for name in names}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class OfFinger(Displayed):
     """What is known of a finger of a study, at a placement where that matters."""
@@ -112,14 +134,8 @@ class OfFinger(Displayed):
 
     def as_record(self) -> dict[str, Any]:
         """Return one row of a table."""
-        return {
-            "study": self.study,
-            "person": self.person.name if self.person.named else None,
-            "finger": self.finger,
-            "wedge_angle_deg": self.wedge_angle_deg,
-            "roll_angle_deg": self.roll_angle_deg,
-            "synthetic": self.synthetic,
-        }
+        person = self.person.name if self.person.named else None
+        return {"study": self.study, "person": person, "finger": self.finger, **_fields(self, *_PLACED)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -150,9 +166,7 @@ class Value(OfFinger):
             "unit": QUANTITIES[self.quantity].unit or "1",
             **OfFinger.as_record(self),
             "load_N": self.load,
-            "value": self.value,
-            "std": self.std,
-            "model_std": self.model_std,
+            **_fields(self, "value", "std", "model_std"),
             "curve": self.source or None,
             "velocity_mm_per_s": self.velocity_mm_per_s,
             "verdict": self.verdict or None,
@@ -174,28 +188,8 @@ class ValidityVerdict(OfFinger):
         return {**record, "model": self.model, "verdict": self.verdict, "checks": " ".join(self.checks)}
 
 
-def _owners(
-    study: FinishedStudy,
-) -> Callable[[FingerRecord | PlacementRecord | CurveRecord], dict[str, Any]]:
-    """Return a function that gives the first fields of an `OfFinger` from a part of a summary."""
-    fingers = {one.finger: one for one in study.summary.fingers}
-
-    def whose(of: FingerRecord | PlacementRecord | CurveRecord) -> dict[str, Any]:
-        finger = fingers[of.finger]
-        return {
-            "study": study.title,
-            "finger": of.finger,
-            "digit": finger.digit,
-            "person": Person(finger.person or study.title, bool(finger.person)),
-            "synthetic": of.synthetic,
-        }
-
-    return whose
-
-
 def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
     """Return the verdicts of a study on Hertz theory and on its layers, in its own order."""
-    whose = _owners(study)
     verdicts = []
     for one in study.summary.summaries:
         models: dict[str, ValidityRecord | LayerValidityRecord] = {"Hertz theory": one.validity}
@@ -205,9 +199,7 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
             telling = [check for check in found.checks if check.verdict == found.verdict]
             verdicts.append(
                 ValidityVerdict(
-                    **whose(one),
-                    wedge_angle_deg=one.wedge_angle_deg,
-                    roll_angle_deg=one.roll_angle_deg,
+                    **study.owner(one),
                     model=model,
                     verdict=found.verdict,
                     checks=tuple(check.check for check in telling),
@@ -224,19 +216,17 @@ def values_of(study: FinishedStudy) -> list[Value]:
 
 
 def _of_fingers(study: FinishedStudy) -> Iterator[Value]:
-    whose = _owners(study)
     for finger in study.summary.fingers:
         for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
             yield Value(
                 quantity=quantity,
-                **whose(finger),
+                **study.owner(finger),
                 value=getattr(finger, quantity),
                 std=math.sqrt(finger.covariance_mm2[place][place]),
             )
 
 
 def _of_placements(study: FinishedStudy) -> Iterator[Value]:
-    whose = _owners(study)
     gain = study.summary.load_gain_relative_std
     for summary in study.summary.summaries:
         shares = summary.radius_from_indentation_variance_shares or {}
@@ -266,9 +256,7 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
             model_std = 0.0 if math.isnan(model_std) else model_std
             yield Value(
                 quantity=quantity,
-                **whose(summary),
-                wedge_angle_deg=summary.wedge_angle_deg,
-                roll_angle_deg=summary.roll_angle_deg,
+                **study.owner(summary),
                 value=value,
                 std=math.hypot(std, model_std),
                 shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
@@ -281,14 +269,12 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
 
 
 def _of_curves(study: FinishedStudy) -> Iterator[Value]:
-    whose, gain = _owners(study), study.summary.load_gain_relative_std
+    gain = study.summary.load_gain_relative_std
     for curve in study.summary.curves:
         for quantity, key in _FROM_CURVES.items() if curve.fit else ():
             yield Value(
                 quantity=quantity,
-                **whose(curve),
-                wedge_angle_deg=curve.wedge_angle_deg,
-                roll_angle_deg=0.0,
+                **study.owner(curve) | {"roll_angle_deg": 0.0},
                 value=getattr(curve.fit, key),
                 std=getattr(curve.fit, f"{key}_std"),
                 gain_std=gain * getattr(curve.fit, key) if quantity == "initial_modulus_kpa" else 0.0,
@@ -334,18 +320,14 @@ class Mean(Displayed):
         return {
             "quantity": self.quantity,
             "unit": QUANTITIES[self.quantity].unit or "1",
-            "wedge_angle_deg": self.wedge_angle_deg,
-            "roll_angle_deg": self.roll_angle_deg,
+            **_fields(self, "wedge_angle_deg", "roll_angle_deg"),
             "load_N": self.load,
             "synthetic": self.synthetic,
             "people": len(self.people),
-            "fingers": self.fingers,
-            "value": self.value,
-            "std": self.std,
+            **_fields(self, "fingers", "value", "std"),
             "ci95_low": self.interval and self.interval[0],
             "ci95_high": self.interval and self.interval[1],
-            "between_people_std": self.between_people_std,
-            "between_fingers_std": self.between_fingers_std,
+            **_fields(self, "between_people_std", "between_fingers_std"),
         }
 
 
@@ -481,9 +463,7 @@ class Comparison(Displayed):
                         {
                             "person": each.person.name,
                             "named": each.person.named,
-                            "fingers": each.fingers,
-                            "value": each.value,
-                            "std": each.std,
+                            **_fields(each, "fingers", "value", "std"),
                         }
                         for each in mean.people
                     ],

@@ -153,12 +153,17 @@ def run_study(
         put_in_place(store)
         if force:
             store.discard()
-        context = replace(
-            RunContext.of(study, folder, log.active_corrections(), store),
+        context = RunContext(
+            study=study,
+            folder=folder,
+            active_corrections=log.active_corrections(),
+            store=store,
             second_operator=second.active_corrections(),
         )
         origin = provenance(inputs, lambda name: context.digest(folder / name))
-        _require_as_read(parsed, origin["inputs_sha256"])
+        for name, digest in parsed.items():
+            if origin["inputs_sha256"][name] != digest:
+                raise ManifestError(f"{name}: was changed while it was read: run again")
 
         def measure_and_write(damaged: Sequence[str] = ()) -> StudyResult:
             """Do what is left to do, with the stored results that were damaged named in the notes."""
@@ -184,7 +189,11 @@ def run_study(
                         replace(measured.progress, item=name, status="checked")
                     ),
                 )
-            _require_unchanged(study, folder, store)
+            for loc, name in study.files():  # tables that were read beside the pictures
+                if loc[-1] in {"outline", "force", "times"} and not store.unchanged(folder / name):
+                    raise StoreError(
+                        f"{name}: was changed during the run: no results were written; run again to go on"
+                    )
             draw_in = partial(local_executor, workers=workers, limits=limits)
             _write_results(
                 result,
@@ -331,22 +340,6 @@ def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]
         if source is None:
             raise StoreError(f"{store.folder / name}: was changed during the run: run again to go on")
         new.add(name, source, digest)
-
-
-def _require_as_read(parsed: dict[str, str], digests: dict[str, str]) -> None:
-    """Raise if a file is not what was read of it a moment ago."""
-    for name, digest in parsed.items():
-        if digests[name] != digest:
-            raise ManifestError(f"{name}: was changed while it was read: run again")
-
-
-def _require_unchanged(study: Study, folder: Path, store: Store) -> None:
-    """Raise if a table that was read beside the pictures is not what it was when the run began."""
-    for loc, name in study.files():
-        if loc[-1] in {"outline", "force", "times"} and not store.unchanged(folder / name):
-            raise StoreError(
-                f"{name}: was changed during the run: no results were written; run again to go on"
-            )
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:

@@ -44,7 +44,7 @@ from fingerpad.study.manifest.models import (
     ScaleKey,
     Study,
 )
-from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
+from fingerpad.study.measuring.fingers import FingerResult, given_pad, stated
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import (
     RERUN,
@@ -375,7 +375,7 @@ class StudySession:
         if finger is None or not (finger.photographs or finger.semi_axes_mm):
             return None
         if finger.semi_axes_mm is not None:
-            return finger_result(finger, {}, self.folder, {})  # nothing to measure
+            return given_pad(finger)
         found = self.results()
         record = found.summary.finger(name) if found else None
         if record is None or math.isnan(record.palmar_mm):

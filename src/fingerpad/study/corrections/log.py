@@ -8,12 +8,15 @@ changes. Automatic measurements are neither kept here nor overwritten.
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import takewhile
 from pathlib import Path
 from threading import RLock
-from typing import Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import CorrectionConflict, ImageError, ManifestError, StoreError
@@ -35,11 +38,12 @@ _PHASES: Final = "phases"
 Action: TypeAlias = Literal["change", "undo", "redo"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
+class Record(BaseModel):
     """One correction by one person."""
 
-    id: int  # in the file, from 1, rising
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    id: Annotated[int, Field(gt=0)]  # in the file, rising
     item: str
     when: str  # ISO 8601, UTC
     who: str
@@ -105,18 +109,18 @@ class History:
         if not place or not changes[place - 1].change:
             return None
         record = changes[place - 1]
-        change = checked_change(
-            model_of(self.item), record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
-        )
-        pooling = _first_with_pooling(changes[:place])
+        where = f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
+        pooling = record.change.get("pooling")
+        # Said by the first of those that say the same of it without a break.
+        same = list(takewhile(lambda one: one.change.get("pooling") == pooling, reversed(changes[:place])))
         return ActiveCorrection(
             item=self.item,
-            change=change,
+            change=checked_change(self.item, record.change, where),
             who=record.who,
             when=record.when,
             picture=record.picture,
-            pooling_who=pooling.who if pooling else "",
-            pooling_when=pooling.when if pooling else "",
+            pooling_who=same[-1].who if pooling else "",
+            pooling_when=same[-1].when if pooling else "",
         )
 
     def _place(self) -> tuple[list[Record], int]:
@@ -132,16 +136,6 @@ class History:
             else:
                 place = min(len(changes), place + 1)
         return changes, place
-
-
-def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
-    """Return the change that set what the last of some says of pooling; None where it says nothing."""
-    found = None
-    for record in reversed(changes):
-        if (pooling := record.change.get("pooling")) is None or pooling != changes[-1].change.get("pooling"):
-            break
-        found = record
-    return found
 
 
 ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
@@ -169,28 +163,17 @@ def parts_of_item(item: str) -> tuple[ItemKind, str, str]:
     return ("phases", name, "") if frame == _PHASES else ("frame", name, frame)
 
 
-def sequence_of_phases(item: str) -> str | None:
-    """Return the sequence whose phases an item is, None where it is another one."""
-    kind, name, _ = parts_of_item(item)
-    return name if kind == "phases" else None
-
-
-def model_of(item: str) -> type[Change]:
-    """Return the model of an item's corrections."""
-    return _MODELS[parts_of_item(item)[0]]
-
-
-def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
-    """Return a change, checked; `StoreError` has one line for each fault."""
+def checked_change(item: str, content: Mapping[str, Any], where: str) -> Any:
+    """Return a change of an item, checked; `StoreError` has one line for each fault."""
     try:
-        return validated(model, content, where, strict=True)
+        return validated(_MODELS[parts_of_item(item)[0]], content, where, strict=True)
     except ManifestError as error:
         raise StoreError(str(error)) from None
 
 
 def line_of(record: Record) -> bytes:
     """Return the line of the file that holds a record, with its checksum."""
-    content = asdict(record)
+    content = record.model_dump()
     return _dump({**content, "checksum": _checksum(content)}) + b"\n"
 
 
@@ -199,20 +182,12 @@ def record_of(line: bytes) -> Record | None:
     try:
         content = json.loads(line)
         checksum = content.pop("checksum", None)
-        record = Record(**content)
+        record = Record.model_validate(content)
     except (ValueError, TypeError, AttributeError, RecursionError):
         return None
-    texts = (record.item, record.when, record.who, record.picture)
-    good = (
-        all(isinstance(text, str) for text in texts)
-        and type(record.id) is int
-        and record.id > 0
-        and record.action in ("change", "undo", "redo")
-        and isinstance(record.change, dict)
-    )
-    if good and checksum is not None and checksum != _checksum(asdict(record)):
+    if checksum is not None and checksum != _checksum(record.model_dump()):
         raise ValueError("was changed after it was written")
-    return record if good else None
+    return record
 
 
 def _checksum(content: Mapping[str, Any]) -> str:
@@ -460,8 +435,12 @@ class CorrectionLog:
         """Keep a change on the disk; `expected` is `History.last_id` as the person saw it."""
         kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()
-        checked = checked_change(model_of(item), content, item)
-        _require_picture(item, checked, study)
+        checked = checked_change(item, content, item)
+        if checked.edits and any(each.name == item and each.file is None for each in study.observations):
+            raise StoreError(
+                f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or "
+                "change ellipse_mm in the manifest"
+            )
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
         if picture is None:
@@ -526,13 +505,3 @@ class CorrectionLog:
             os.fsync(file.fileno())
         if new:
             sync_folder(self._path.parent)
-
-
-def _require_picture(item: str, change: Change, study: Study) -> None:
-    """Refuse edits of an observation whose ellipse was measured elsewhere."""
-    given = any(each.name == item and each.file is None for each in study.observations)
-    if given and change.edits:
-        raise StoreError(
-            f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or change "
-            "ellipse_mm in the manifest"
-        )

@@ -74,6 +74,8 @@ class TaskResult(NamedTuple):
 
 def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
     """Do the work of a task; whatever goes wrong fails this task only, and becomes its reason."""
+    import cv2
+
     start = perf_counter()
     stopped_by = None
     with TemporaryDirectory(prefix="fingerpad-") as drawing:
@@ -87,7 +89,11 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
                 raise StoreError(
                     f"{gettempdir()}: the disk is full: make room and run again to go on"
                 ) from error
-            if any(map(_is_out_of_memory, _causes(error))):
+            if any(
+                isinstance(one, MemoryError)
+                or (isinstance(one, cv2.error) and one.code == cv2.Error.StsNoMem)
+                for one in _causes(error)
+            ):
                 stopped_by = limits
                 reason = (
                     f"{file}: measuring it takes more than {limits.memory_gb:g} GB of memory: crop or shrink "
@@ -109,14 +115,6 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
     while error is not None:
         yield error
         error = error.__cause__
-
-
-def _is_out_of_memory(error: BaseException) -> bool:
-    import cv2
-
-    return isinstance(error, MemoryError) or (
-        isinstance(error, cv2.error) and error.code == cv2.Error.StsNoMem
-    )
 
 
 def working_code() -> str:

@@ -226,7 +226,10 @@ def serve() -> None:
 def _answer(question: bytes, idle_bytes: int) -> bytes:
     try:
         work, file, folder, limits = pickle.loads(question)  # noqa: S301 (of our own parent)
-        _limit_memory(idle_bytes, limits)
+        if sys.platform != "win32" and idle_bytes:
+            _, hard = resource.getrlimit(resource.RLIMIT_AS)
+            wanted = idle_bytes + round(limits.memory_gb * 1e9)
+            resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
         return pickle.dumps(perform(work, file, folder, limits))
     except Exception as error:  # raised again by the caller
         return pickle.dumps(error)
@@ -274,14 +277,6 @@ def _virtual_bytes() -> int:
     except (OSError, ValueError):
         return 0
     return pages * os.sysconf("SC_PAGE_SIZE")
-
-
-def _limit_memory(idle_size: int, limits: Limits) -> None:
-    if sys.platform == "win32" or not idle_size:
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = idle_size + round(limits.memory_gb * 1e9)
-    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
 
 
 class LocalExecutor(IsolatedRunner):

@@ -10,22 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from pydantic import BaseModel, ConfigDict
+
 from fingerpad._csv import write_csv
-from fingerpad._display import Displayed
 from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.imports.names import Field, NamePattern, plain_name
 from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
+from fingerpad.study.manifest.models import Load, Name, RollAngle, WedgeAngle
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
-_NEEDED: Final = FIELDS[:3]
 # Semi-major axes, mm, between which contacts of finger pads lie: beyond, the unit is wrong.
 _PLAUSIBLE: Final = (0.5, 40.0)
-_HEADER: Final = (
-    "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_mm_std", "long_axis", "synthetic", "notes",
-)  # fmt: skip
 # What a pattern of labels may hold.
 _LABEL_FIELDS: Final[tuple[Field, ...]] = ("person", "finger", "wedge", "roll", "load")
 _SUFFIX: Final = r"\.(?:tiff?|png|jpe?g|bmp|gif)(?=$|:)"
@@ -51,21 +48,16 @@ def upward_deg(angle_deg: float) -> float:
     return 90 - (180 - angle_deg) % 180
 
 
-class _LabelValues(ManifestModel):
-    """What a manifest takes of it."""
+class ManualObservation(BaseModel):
+    """One row of the CSV: an observation whose ellipse a person measured; None is left to be filled in."""
 
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str  # made from the label, like no other
     finger: Name | None = None
     wedge_angle_deg: WedgeAngle | None = None
     load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     roll_angle_deg: RollAngle | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class ManualObservation(Displayed):
-    """One row of the CSV: an observation whose ellipse a person measured."""
-
-    name: str  # made from the label, like no other
-    values: Mapping[str, str | float]  # those of `FIELDS` that are known
     semi_major_mm: float
     semi_minor_mm: float
     ellipse_mm_std: float  # standard uncertainty of either semi-axis
@@ -76,11 +68,7 @@ class ManualObservation(Displayed):
     @property
     def missing(self) -> tuple[str, ...]:
         """Columns that a person must fill in before the study can be run."""
-        return tuple(name for name in _NEEDED if name not in self.values)
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the row, None for what is not known."""
-        return {key: self.values.get(key) if key in FIELDS else getattr(self, key) for key in _HEADER}
+        return tuple(name for name in FIELDS[:3] if getattr(self, name) is None)
 
 
 def manual_observations(
@@ -127,19 +115,17 @@ def manual_observations(
         values = {**known, **stated}
         if person := values.pop("person", None):
             values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
-        validated(_LabelValues, values, ellipse.source, strict=True)
-        rows.append(
-            ManualObservation(
-                name=_name(ellipse.label, names),
-                values=values,
-                semi_major_mm=major,
-                semi_minor_mm=minor,
-                ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
-                long_axis=_long_axis(ellipse, finger_axis_deg),
-                synthetic=synthetic,
-                notes="; ".join((f"measured manually: {ellipse.source}", *ellipse.doubts)),
-            )
-        )
+        content = {
+            **values,
+            "name": _name(ellipse.label, names),
+            "semi_major_mm": major,
+            "semi_minor_mm": minor,
+            "ellipse_mm_std": math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
+            "long_axis": _long_axis(ellipse, finger_axis_deg),
+            "synthetic": synthetic,
+            "notes": "; ".join((f"measured manually: {ellipse.source}", *ellipse.doubts)),
+        }
+        rows.append(validated(ManualObservation, content, ellipse.source, strict=True))
     return rows
 
 
@@ -184,4 +170,4 @@ def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
     if path.exists():
         raise FingerpadError(f"{path}: is there already, and may be filled in; name another file")
     with explain_write_errors(path):
-        write_csv(path, [_HEADER, *(row.as_record().values() for row in rows)], mode="x")
+        write_csv(path, [ManualObservation.model_fields, *(dict(row).values() for row in rows)], mode="x")

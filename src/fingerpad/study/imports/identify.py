@@ -183,7 +183,9 @@ def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
     owners: dict[str, list[FileRow]] = {}
     without = []
     for row in table.rows:
-        found = whole.get(_key(row.file, with_suffix=True)) or stems.get(_stem(row.file)) or []
+        # Of a name without suffix all is its stem; a decimal point in it begins no suffix.
+        stem = _key(row.file, with_suffix=not re.search(r"\.[A-Za-z]\w{1,4}$", row.file))
+        found = whole.get(_key(row.file, with_suffix=True)) or stems.get(stem) or []
         if len(found) == 1 and row.file:
             owners.setdefault(found[0], []).append(row)
         else:
@@ -202,11 +204,6 @@ def _by(files: Iterable[str], *, with_suffix: bool) -> dict[str, list[str]]:
     for file in files:
         found.setdefault(_key(file, with_suffix=with_suffix), []).append(file)
     return found
-
-
-def _stem(name: str) -> str:
-    """Return the key of a name that may have a suffix; a decimal point in it begins none."""
-    return _key(name, with_suffix=not re.search(r"\.[A-Za-z]\w{1,4}$", name))
 
 
 def _key(name: str, *, with_suffix: bool) -> str:
@@ -310,7 +307,8 @@ def _table_uses(path: Path) -> dict[Use, float]:
     table = read_table(path, ManifestError, head_only=True)
     headers = [cell.casefold() for cell in table.header]
     has = {
-        name: any(_begins(header, words) for header in headers)
+        # With or without a unit after it.
+        name: any(re.match(rf"{word}(?=$|[_ ,/(\[])", header) for word in words for header in headers)
         for name, words in {
             "force": (*NAMES["force"], "fz", "w"),
             "travel": (*NAMES["displacement"], "travel", "position", "depth", "approach", "z"),
@@ -333,11 +331,6 @@ def _table_uses(path: Path) -> dict[Use, float]:
     if has["x"] and has["y"]:
         return {"outline": 0.95, "": 0.05}
     return {"": 0.6, "curve": 0.2, "force": 0.1, "outline": 0.1}
-
-
-def _begins(header: str, words: Iterable[str]) -> bool:
-    """Tell whether a header is one of the words, with or without a unit after it."""
-    return any(re.match(rf"{word}(?=$|[_ ,/(\[])", header) for word in words)
 
 
 def _names_files(table: Table) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Any, Final, Literal, Self, TypeAlias, get_args
+from typing import Any, Final, Literal, Self, TypeAlias, cast, get_args
 
 from typing_extensions import TypedDict  # for pydantic, before Python 3.12
 
@@ -46,8 +46,9 @@ def words_of(table: str) -> dict[str, Any]:
 _TABLES: Final = tomllib.loads(files("fingerpad.study.imports").joinpath("words.toml").read_text("utf-8"))
 HAND_WORDS, DIGITS, INITIALS = words_of("hand"), words_of("digit"), words_of("initial")
 FACES: Final[tuple[Face, ...]] = get_args(Face)
-_FACE_WORDS: Final[Mapping[str, Face]] = words_of("face")
-_ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = words_of("role")
+_FACE_WORDS: Final[Mapping[str, str]] = words_of("face")
+_ROLE_WORDS: Final[Mapping[str, str]] = words_of("role")
+_TYPES: Final = "contact, photograph, sequence, curve, outline, coin"
 _OF_SCALE: Final = words_of("scale").keys()
 # Factor that turns a value in the unit into the library's.
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
@@ -106,56 +107,35 @@ def plain_name(text: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", text.strip()).strip("_.+-")[:60]
 
 
+_NUMBERS: Final = {"load": "load_N", "wedge": "wedge_angle_deg", "roll": "roll_angle_deg"}
+
+
 def read_value(values: FileValues, field: Field, text: str, unit: str | None = None) -> None:
     """Read a text into the values of a file."""
+    found, words = cast(dict[str, Any], values), _words(text)
     match field:
-        case "load":
-            values["load_N"] = number_in(text, "load", unit)
-        case "wedge":
-            values["wedge_angle_deg"] = number_in(text, "wedge", unit)
-        case "roll":
-            values["roll_angle_deg"] = number_in(text, "roll", unit)
-        case "scale":
-            _read_scale(values, text, unit)
-        case "face":
-            word = next((word for word in _words(text) if word in _FACE_WORDS), None)
+        case "load" | "wedge" | "roll":
+            found[_NUMBERS[field]] = number_in(text, field, unit)
+        case "scale" if _QUANTITY.fullmatch(text):
+            found |= scale_in(text, unit)
+        case "role" if face := next((word for word in words if word in FACES), None):
+            found |= {"face": face, "role": "photograph"}
+        case "face" | "role":
+            meanings = _FACE_WORDS if field == "face" else _ROLE_WORDS
+            word = next((word for word in words if word in meanings), None)
             if word is None:
-                raise ValueError(f"{text!r} is no face: {', '.join(FACES)}")
-            values["face"] = _FACE_WORDS[word]
-        case "role":
-            words = _words(text)
-            faces = [_FACE_WORDS[word] for word in words if word in FACES]
-            if faces:
-                values["face"], values["role"] = faces[0], "photograph"
-                return
-            word = next((word for word in words if word in _ROLE_WORDS), None)
-            if word is None:
-                raise ValueError(f"{text!r} is no type: contact, photograph, sequence, curve, outline, coin")
-            values["role"] = _ROLE_WORDS[word]
-        case "finger":
-            values["finger"] = _named(finger_name(text), text)
-        case "person":
-            values["person"] = _named(plain_name(text), text)
-        case "session":
-            values["session"] = _named(plain_name(text), text)
+                known = f"face: {', '.join(FACES)}" if field == "face" else f"type: {_TYPES}"
+                raise ValueError(f"{text!r} is no {known}")
+            found[field] = meanings[word]
+        case _:
+            name = finger_name(text) if field == "finger" else plain_name(text)
+            if not name:
+                raise ValueError(f"{text!r} is no name")
+            found[field] = name
 
 
 def _words(text: str) -> list[str]:
     return [word.lower() for word in re.findall(r"[^\W\d_]+", text)]
-
-
-def _named(name: str, text: str) -> str:
-    if not name:
-        raise ValueError(f"{text!r} is no name")
-    return name
-
-
-def _read_scale(values: FileValues, text: str, unit: str | None) -> None:
-    """Read a number with the unit of a scale, or the name of one."""
-    if _QUANTITY.fullmatch(text) is None:
-        values["scale"] = _named(plain_name(text), text)
-    else:
-        values.update(scale_in(text, unit))  # type: ignore[typeddict-item]
 
 
 def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
@@ -251,17 +231,12 @@ def _finger(stem: str) -> str | None:
     """Return hand and digit, by full words in any order or by two capitals."""
     words = _words(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
     pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
+    full = ((hand, digit) for hand, digit in pairs if hand in HAND_WORDS and digit in DIGITS)
     found = [
-        *(
-            f"{HAND_WORDS[hand]}_{DIGITS[digit]}"
-            for hand, digit in pairs
-            if hand in HAND_WORDS and digit in DIGITS
-        ),
+        *(f"{HAND_WORDS[hand]}_{DIGITS[digit]}" for hand, digit in full),
         *(f"{HAND_WORDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
     ]
-    if not found:
-        return None
-    return found[0]
+    return found[0] if found else None
 
 
 def _wedge(stem: str) -> float | None:

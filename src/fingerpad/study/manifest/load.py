@@ -8,7 +8,7 @@ import hashlib
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -51,25 +51,20 @@ def file_inside(folder: Path, name: str, *, may_be_folder: bool = False) -> Path
         known = path.exists() if may_be_folder else path.is_file()
         real = os.path.realpath(path)
         inside = real == home or real.startswith(os.path.join(home, ""))
-        outside = _link_out(path, Path(home)) if may_be_folder and inside and path.is_dir() else None
+        entries = list(os.scandir(path)) if may_be_folder and inside and path.is_dir() else []
+        links = sorted(entry.name for entry in entries if entry.is_symlink())
+        outside = [name for name in links if not (path / name).resolve().is_relative_to(home)]
     except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links
         raise ManifestError(f"{name[:60]!r} is no file name ({error})") from error
     if not inside:
         raise ManifestError(f"{name!r} leaves the study folder; copy the file into it")
     if not known:
         raise ManifestError(f"no file {name!r} in the study folder")
-    if outside is not None:
+    if outside:
         raise ManifestError(
-            f"{f'{name}/{outside}'!r} is a link that leaves the study folder; copy the file into it"
+            f"{f'{name}/{outside[0]}'!r} is a link that leaves the study folder; copy the file into it"
         )
     return path
-
-
-def _link_out(frames: Path, home: Path) -> str | None:
-    """Return the name of a frame in a folder that is a link to a file outside the study, None without one."""
-    with os.scandir(frames) as entries:
-        links = sorted(entry.name for entry in entries if entry.is_symlink())
-    return next((name for name in links if not (frames / name).resolve().is_relative_to(home)), None)
 
 
 Kind: TypeAlias = Literal[
@@ -340,28 +335,21 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
             )
     check = TableChecks(path.parent, top.surface)
     found = (*wrong, *map(check.checked, tables))
+    lists: dict[str, Any] = {name: [] for name in LISTS.values()}
+    for one in found:
+        if one.complete and one.kind != "scale":
+            lists[LISTS[one.kind]].append(one.model)
+    scales = {one.key: one.model for one in found if one.complete and one.kind == "scale"}
     issues = [line for one in found for line in one.lines]
     if not document.get("fingers"):
         issues.append(f"{path.name}: fingers: no finger yet: add one")
     return LoadedStudy(
         folder=path.parent,
         digests=digests,
-        study=_study(top, found),
+        study=top.model_copy(update={**lists, "scales": scales}),
         tables=found,
         issues=tuple(issues),
     )
-
-
-def _study(top: Study, tables: Iterable[Table]) -> Study:
-    """Return the study that the complete tables make up."""
-    lists: dict[str, Any] = {name: [] for name in LISTS.values()}
-    scales = {}
-    for one in tables:
-        if one.complete and one.kind == "scale":
-            scales[one.key] = one.model
-        elif one.complete:
-            lists[LISTS[one.kind]].append(one.model)
-    return top.model_copy(update={**lists, "scales": scales})
 
 
 def require_tables(document: Mapping[str, Any], file: str) -> None:

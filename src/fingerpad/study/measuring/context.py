@@ -3,11 +3,10 @@
 import hashlib
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -157,22 +156,14 @@ class RunContext:
     active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
     second_operator: Mapping[str, ActiveCorrection] = field(default_factory=dict)
     store: Store | None = None  # None where nothing was measured yet
-    digest: Callable[[Path], str] = str
     scales: Scales = field(default_factory=dict)  # empty before they are measured
+    digests: dict[Path, str] = field(default_factory=dict, repr=False)  # of files that were asked for
 
-    @classmethod
-    def of(
-        cls,
-        study: Study,
-        folder: Path,
-        active_corrections: Mapping[str, ActiveCorrection],
-        store: Store | None,
-    ) -> Self:
-        """Return what is known of a study whose results are in a store; each file is read once."""
-        digest = str if store is None else cache(store.digest)
-        return cls(
-            study=study, folder=folder, active_corrections=active_corrections, store=store, digest=digest
-        )
+    def digest(self, path: Path) -> str:
+        """Return the digest of a file or folder, which is read once; its path where there is no store."""
+        if path not in self.digests:
+            self.digests[path] = str(path) if self.store is None else self.store.digest(path)
+        return self.digests[path]
 
     def scale(self, key: ScaleKey) -> FoundScale | str:
         """Return the scale that a key of the manifest means, or why there is none."""

@@ -16,7 +16,7 @@ from fingerpad._records import fields_from
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import reduced_modulus
 from fingerpad.estimate import Estimate
-from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
+from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError, reason_of
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
@@ -190,16 +190,26 @@ def _record(
     scale: FoundScale | str | None,
 ) -> Record:
     found = curve_result(curve, pad, poisson_ratio, folder, scale=scale, given=given)
-    if (
-        found.curve is not None
-        and found.curve.area is not None
-        and placed is not None
-        and curve.thickness_mm is None
-    ):
-        known = {"poisson_ratio": poisson_ratio, "cycle": curve.cycle, **_instrument(curve, scale)}
+    data = found.curve
+    if data is not None and data.area is not None and placed is not None and curve.thickness_mm is None:
+        known = _instrument(curve, scale)
         if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
             known["shared_scale_std"] = scale.scale.relative_std
-        found = replace(found, layer=_layer(found.curve, placed, given, known))
+        try:
+            layer = fit_layer_thickness(
+                data,
+                placement=placed.placement,
+                radius_std=placed.radius_std,
+                radius_ratio_std=placed.radius_ratio_std,
+                poisson_ratio=poisson_ratio,
+                poisson_ratio_std=given.poisson_ratio_std,
+                load_relative_std=given.load_std,
+                cycle=curve.cycle,
+                **known,
+            )
+        except FingerpadError as error:
+            layer = LayerThicknessFit.undetermined(str(error))
+        found = replace(found, layer=layer)
     values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
@@ -225,7 +235,7 @@ def curve_result(
     Where the record does not determine the whole fit, the slope of area against indentation may still give
     R_g, with the reason beside it.
     """
-    radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
+    radius, std, loads = curve.loading_radius_mm, curve.loading_radius_mm_std, curve.fit_load_range_N
     assert curve.file is not None  # what was found elsewhere is not fitted
     nothing, data = CurveResult(manifest=curve), None
     known: dict[str, Any] = {}
@@ -241,22 +251,17 @@ def curve_result(
             loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
             cycle=curve.cycle,
             contact_point=curve.contact_point,
-            fit_load_range=None
-            if curve.fit_load_range_N is None
-            else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
+            fit_load_range=(loads[0], loads[1]) if loads else None,
             load_relative_std=given.load_gain_relative_std,
             poisson_ratio_std=given.poisson_ratio_std,
             **known,
             **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
         )
-    except FitError as error:
-        reason = _named(error, curve.file, folder)
-        return _slope_alone(replace(nothing, curve=data, reason=reason), known)
-    except FingerpadError as error:
-        return replace(nothing, curve=data, reason=_named(error, curve.file, folder))
-    except _RECOVERABLE_ERRORS as error:
-        reason = f"{curve.file}: cannot be fitted ({type(error).__name__}: {error})"
-        return replace(nothing, curve=data, reason=reason)
+    except (FingerpadError, *_RECOVERABLE_ERRORS) as error:
+        words = in_study(reason_of(error, f"{curve.file}: cannot be fitted"), folder)
+        reason = words if words.startswith(curve.file) else f"{curve.file}: {words}"
+        failed = replace(nothing, curve=data, reason=reason)
+        return _slope_alone(failed, known) if isinstance(error, FitError) else failed
     found = fit.loading_radius
     return replace(
         nothing,
@@ -269,24 +274,6 @@ def curve_result(
         shape=_shape(pad, curve, fit, poisson_ratio),
         reason=f"{curve.file}: {found.reason}" if found.reason else None,
     )
-
-
-def _layer(
-    data: LoadingCurve, placed: PlacedPad, given: Uncertainty, known: Mapping[str, Any]
-) -> LayerThicknessFit:
-    """Return the thickness of the tissue that explains a curve, or why none is known."""
-    try:
-        return fit_layer_thickness(
-            data,
-            placement=placed.placement,
-            radius_std=placed.radius_std,
-            radius_ratio_std=placed.radius_ratio_std,
-            poisson_ratio_std=given.poisson_ratio_std,
-            load_relative_std=given.load_std,
-            **known,
-        )
-    except FingerpadError as error:
-        return LayerThicknessFit.undetermined(str(error))
 
 
 def _instrument(curve: Curve, scale: FoundScale | str | None) -> dict[str, Any]:
@@ -319,12 +306,6 @@ def _slope_alone(failed: CurveResult, known: Mapping[str, Any]) -> CurveResult:
         area_relative_std=area_std,
         reason=f"{failed.reason}; only the slope of area against indentation is known",
     )
-
-
-def _named(error: FingerpadError, file: str, folder: Path) -> str:
-    """Return an error's words, which begin with the file's name in the study."""
-    words = in_study(error, folder)
-    return words if words.startswith(file) else f"{file}: {words}"
 
 
 def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
-from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -29,16 +28,13 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
 from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Finger, Photograph
 from fingerpad.study.measuring.context import (
     FoundScale,
     OneTaskItem,
     RunContext,
-    Scales,
     require_scale,
-    scale_key,
 )
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
@@ -162,45 +158,15 @@ def _interpolated(radii: Sequence[tuple[float, float, float]], wedge_deg: float)
     return radius, std
 
 
-def finger_result(
-    finger: Finger,
-    scales: Scales,
-    folder: Path,
-    measured: Mapping[str, Mapping[str, Any]],
-    active_corrections: Mapping[str, ActiveCorrection] = MappingProxyType({}),
-) -> FingerResult:
-    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
-    if finger.semi_axes_mm is not None and finger.semi_axes_mm_std is not None:
-        given, std = finger.semi_axes_mm, finger.semi_axes_mm_std
-        return FingerResult(
-            semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
-            covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
-            source="given",
-            **stated(finger),
-        )
-    if not finger.photographs:
-        return _without_semi_axes(finger, "none")
-    try:
-        seen = [
-            _face(photograph, scales, folder, measured.get(item))
-            for photograph in finger.photographs
-            if not is_rejected(active_corrections.get(item := photograph_item(finger, photograph)))
-        ]
-        joint = combine_faces(face for face, _ in seen)
-    except FingerpadError as error:
-        reason = in_study(f"finger {finger.name}: {error}", folder)
-        return _without_semi_axes(finger, "photographs", reason)
-    photographs = tuple(result for _, result in seen if result is not None)
-    found = finger_from_faces(finger, joint, (one.outline_radii for one in photographs))
-    return replace(found, photographs=photographs)
-
-
-def _without_semi_axes(finger: Finger, source: str, reason: str | None = None) -> FingerResult:
+def given_pad(finger: Finger) -> FingerResult:
+    """Return the semi-axes that the manifest states of a finger."""
+    given, std = finger.semi_axes_mm, finger.semi_axes_mm_std
+    assert given is not None
+    assert std is not None  # the manifest's own rule
     return FingerResult(
-        semi_axes=np.full(3, np.nan),
-        covariance=np.full((3, 3), np.nan),
-        source=source,
-        reason=reason,
+        semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
+        covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
+        source="given",
         **stated(finger),
     )
 
@@ -268,9 +234,34 @@ def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem
 
 
 def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunContext) -> FingerResult:
-    """Return the semi-axes of a finger from what the store holds of its photographs."""
-    faces = {one.name: one.record for one in photographs}
-    return finger_result(finger, context.scales, context.folder, faces, context.active_corrections)
+    """Return a finger's semi-axes, from what the store holds of its photographs where none are given.
+
+    A photograph or outline that cannot be used costs this finger only.
+    """
+    if finger.semi_axes_mm is not None:
+        return given_pad(finger)
+    records, reason = {one.name: one.record for one in photographs}, None
+    named = ((photograph_item(finger, one), one) for one in finger.photographs)
+    try:
+        seen = [
+            _face(one, context, records.get(name)) for name, one in named if not context.is_rejected(name)
+        ]
+        if finger.photographs:
+            joint, results = (
+                combine_faces(face for face, _ in seen),
+                tuple(filter(None, (r for _, r in seen))),
+            )
+            found = finger_from_faces(finger, joint, (one.outline_radii for one in results))
+            return replace(found, photographs=results)
+    except FingerpadError as error:
+        reason = in_study(f"finger {finger.name}: {error}", context.folder)
+    return FingerResult(
+        semi_axes=np.full(3, np.nan),
+        covariance=np.full((3, 3), np.nan),
+        source="photographs" if finger.photographs else "none",
+        reason=reason,
+        **stated(finger),
+    )
 
 
 def _overlay(finger: str, face: str, file: str) -> str:
@@ -325,19 +316,16 @@ def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path)
 
 
 def _face(
-    photograph: Photograph,
-    scales: Scales,
-    folder: Path,
-    record: Mapping[str, Any] | None,
+    photograph: Photograph, context: RunContext, record: Mapping[str, Any] | None
 ) -> tuple[FaceSemiAxes, PhotographResult | None]:
     """Return what is known of one face."""
     if photograph.outline is not None:
-        own = None if photograph.scale is None else require_scale(scales[scale_key(photograph.scale)])
-        return outline_face(photograph, own, folder), None
+        own = None if photograph.scale is None else require_scale(context.scale(photograph.scale))
+        return outline_face(photograph, own, context.folder), None
     assert record is not None  # each photograph was measured
     assert photograph.scale is not None
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
-    scale = require_scale(scales[scale_key(photograph.scale)])
+    scale = require_scale(context.scale(photograph.scale))
     axes = replace(from_record(FaceSemiAxes, record["axes"]), scale=scale.name)
     return axes, PhotographResult(manifest=photograph, scale=scale, **fields_from(PhotographResult, record))

@@ -80,26 +80,11 @@ class StudyItems:
         for finger, photographs in self.photographs.items():
             # Curves are compared with the shape of the pad.
             curves = [one for one in self.curves if one is not None and one.table.finger == finger]
-            yield (_tasks(stage) for stage in (photographs, curves))
+            stages: list[list[Item[Any]]] = [[*photographs], [*curves]]
+            # Each of them has one stage.
+            yield ([task for one in items for (task,) in one.stages()] for items in stages)
         for observation in self.observations:
             yield observation.stages()
-
-    def fingers(self) -> dict[str, FingerResult]:
-        """Return the semi-axes of each finger from what the store holds."""
-        return {
-            finger.name: pad_of(finger, self.photographs[finger.name], self.context)
-            for finger in self.context.study.fingers
-        }
-
-    def curve_results(self) -> list[CurveResult]:
-        """Return what the store holds of each loading curve, and those found elsewhere."""
-        pairs = zip(self.curves, self.context.study.curves, strict=True)
-        return [given_curve(curve) if item is None else item.result() for item, curve in pairs]
-
-
-def _tasks(items: Iterable[Item[Any]]) -> list[Task]:
-    """Return the tasks of items of one stage each."""
-    return [task for item in items for stage in item.stages() for task in stage]
 
 
 def item_of(task: str) -> str:
@@ -185,12 +170,15 @@ def measure_study(
     on_progress(progress)
     run_plans(items.plans(left), executor, store_result, is_done)
     sequences = [one.result() for one in items.sequences]
+    curves = zip(items.curves, context.study.curves, strict=True)
     return Measured(
         items=items,
         progress=progress,
-        fingers=items.fingers(),
+        fingers={
+            one.name: pad_of(one, items.photographs[one.name], context) for one in context.study.fingers
+        },
         sequences=sequences,
-        curves=items.curve_results(),
+        curves=[given_curve(curve) if item is None else item.result() for item, curve in curves],
         contacts=_Contacts(items, sequences),
         operator_pairs=operator_pairs(context, store, executor),
     )

@@ -94,20 +94,6 @@ class Layered:
             flag=np.where((flag == "") & ~known, UNCERTAINTY_OUT_OF_RANGE, flag),
         )
 
-    def parts(self, given: Uncertainty) -> FloatArray:
-        """Return signed contributions to `POOLED_ON_LAYER` of the sources `LAYER_PART_SOURCES`."""
-        with np.errstate(all="ignore"):
-            return parts_of(self.propagated, POOLED_ON_LAYER, given)
-
-    def columns(self) -> dict[str, FloatArray]:
-        """Return the columns of the layer that follow from the model."""
-        columns = {}
-        for name in LAYER_OUTPUTS:
-            place, (unit, factor) = self.propagated.place(name), unit_of(name)
-            columns[f"{name}_{unit}"] = factor * self.propagated.value[:, place]
-            columns[f"{name}_{unit}_std"] = factor * self.std[:, place]
-        return columns
-
 
 def _simulated_std(propagated: Propagated) -> FloatArray:
     """Return standard uncertainties by Monte Carlo, NaN where draws leave the range of the laws."""
@@ -125,7 +111,10 @@ def _simulated_std(propagated: Propagated) -> FloatArray:
 def layer_columns(
     pads: Sequence[FingerResult], inputs: Inputs, given: Uncertainty
 ) -> tuple[dict[str, ColumnArray], FloatArray]:
-    """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness."""
+    """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness.
+
+    Parts are signed contributions to `POOLED_ON_LAYER` of the sources `LAYER_PART_SOURCES`.
+    """
     thickness = COLUMNS["effective_thickness_mm"].array(pad.effective_thickness for pad in pads)
     std = COLUMNS["effective_thickness_mm_std"].array(pad.effective_thickness_std for pad in pads)
     stated = np.flatnonzero(np.isfinite(thickness))
@@ -142,10 +131,13 @@ def layer_columns(
         with_thickness(inputs.at(stated), thickness[stated], np.nan_to_num(std[stated])), given.method
     )
     flags[stated] = [flag or None for flag in found.flag.tolist()]
-    for name, values in found.columns().items():
-        columns[name] = COLUMNS[name].unknown(len(pads))
-        columns[name][stated] = values
-    parts[stated] = found.parts(given)
+    for name in LAYER_OUTPUTS:
+        place, (unit, factor) = found.propagated.place(name), unit_of(name)
+        for end, outputs in (("", found.propagated.value), ("_std", found.std)):
+            columns[f"{name}_{unit}{end}"] = COLUMNS[f"{name}_{unit}{end}"].unknown(len(pads))
+            columns[f"{name}_{unit}{end}"][stated] = factor * outputs[:, place]
+    with np.errstate(all="ignore"):
+        parts[stated] = parts_of(found.propagated, POOLED_ON_LAYER, given)
     return columns, parts
 
 

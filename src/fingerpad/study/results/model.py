@@ -62,7 +62,7 @@ MOST_DRAWS: Final = 200_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Modelled:
-    """Outputs of the model for some contacts, NaN where it has none."""
+    """Outputs of the model for those of some contacts for which it has any."""
 
     value: dict[str, FloatArray]  # by output, shape (contacts,)
     std: dict[str, FloatArray]
@@ -70,7 +70,7 @@ class Modelled:
     # Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`, of shape
     # (contacts, pooled outputs, parts); their squares add up to the variance.
     parts: FloatArray
-    answered: BoolArray  # whether there are outputs, shape (contacts,)
+    answered: BoolArray  # of all contacts, whether there are outputs
 
     @classmethod
     def of(cls, inputs: Inputs, given: Uncertainty) -> Self:
@@ -85,30 +85,17 @@ class Modelled:
         known: BoolArray = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
         std = _monte_carlo(propagated, known) if given.method == "monte_carlo" else propagated.std
 
+        answered: BoolArray = known & np.isfinite(std).all(axis=-1)
+
         def by_output(outputs: FloatArray) -> dict[str, FloatArray]:
-            return dict(zip(propagated.names, np.where(known, outputs.T, np.nan), strict=True))
+            return dict(zip(propagated.names, outputs[answered].T, strict=True))
 
         return cls(
             value=by_output(propagated.value),
             std=by_output(std),
             std_from={part: by_output(_std_from(propagated, of, given)) for part, of in STATED_APART.items()},
-            parts=np.where(known[:, None, None], parts, np.nan),
-            answered=known & np.isfinite(std).all(axis=-1),
-        )
-
-    def only(self, chosen: BoolArray) -> Self:
-        """Return some of the contacts."""
-
-        def some(outputs: dict[str, FloatArray]) -> dict[str, FloatArray]:
-            return {name: of[chosen] for name, of in outputs.items()}
-
-        return replace(
-            self,
-            value=some(self.value),
-            std=some(self.std),
-            std_from={part: some(of) for part, of in self.std_from.items()},
-            parts=self.parts[chosen],
-            answered=self.answered[chosen],
+            parts=parts[answered],
+            answered=answered,
         )
 
 

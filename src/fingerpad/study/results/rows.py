@@ -165,8 +165,7 @@ class _Batch:
         answered = modelled.answered
         for place in sound[~answered]:
             reasons[place] = _NO_ANSWER
-        good, modelled = sound[answered], modelled.only(answered)
-        columns, inputs = _described(fingers, seen, reasons), inputs.at(answered)
+        good, inputs, columns = sound[answered], inputs.at(answered), _described(fingers, seen, reasons)
         pads = [fingers[seen[place][0].finger] for place in good]
         layer, layer_parts = layer_columns(pads, inputs, study.uncertainty)
         if good.size:

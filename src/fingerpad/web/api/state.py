@@ -199,7 +199,12 @@ class _Known:
         """Return the status of each item: done, failed, stale or left."""
 
         def states(store: Store | None) -> dict[str, str]:
-            context = RunContext.of(self.loaded.study, self.opened.folder, self.active, store)
+            context = RunContext(
+                study=self.loaded.study,
+                folder=self.opened.folder,
+                active_corrections=self.active,
+                store=store,
+            )
             return item_states(StudyItems.of(context))
 
         path = self.opened.out / STORE_NAME

@@ -1,24 +1,15 @@
 """Whether a model holds: comparisons of two ways to a quantity, known errors, and by how much it is wrong."""
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any, Final, NamedTuple, Self
+from collections.abc import Collection, Iterable, Sequence
+from typing import Any, Final, Self
 
-import pandas as pd
 from pydantic import Field
 from scipy import special
 
 from fingerpad._csv import package_table
-from fingerpad.loading import LoadingFit
-from fingerpad.study.manifest.models import Study
-from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
-from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.pooling import Summary
-from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.summary_file import CheckRecord, Number, Text
-from fingerpad.study.results.table import Row, first_record
 from fingerpad.uncertainty.propagate import NORMAL_97_5
-from fingerpad.uncertainty.repeats import ContactRepeatability
 
 HOLDS: Final = "holds"
 STRAINED: Final = "strained"
@@ -226,75 +217,4 @@ CHECKS: Final = {
     for line in package_table("fingerpad.study.results.validity", "checks.csv")
 }
 
-HERTZ_EXPONENT: Final = 2 / 3
-# Loads are the same where their ratio is above this.
-SAME_LOAD: Final = 0.9
-# How areas of presses of one finger under one load differ, relative, where a study has no repeats: three real
-# prints of one finger did so by 4.6 %. A rendered contact has no press.
-PRESS_STD: Final = 0.046
 AREA_FALLS: Final = "area_falls"
-NO_CURVE: Final = "no loading data of this finger at this angle"
-NO_AREAS: Final = "the loading curves have no areas, so no radius"
-NOTHING_COUNTS: Final = "no contact counts"
-NO_SEMI_AXES: Final = "the finger has no semi-axes"
-
-
-class FingerAtAngle(NamedTuple):
-    """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
-
-    study: Study
-    pad: FingerResult
-    summary: Summary
-    highest: HighestLoad | None
-    highest_row: Row | None
-    loading: LoadingRadius | None
-    fits: tuple[LoadingFit, ...]
-    loaded: pd.DataFrame
-    press_std: float  # relative, of the areas of presses under one load
-
-    @classmethod
-    def of(
-        cls,
-        study: Study,
-        fingers: Mapping[str, FingerResult],
-        rows: Rows,
-        summary: Summary,
-        curves: Sequence[CurveResult],
-        *,
-        repeatability: Mapping[bool, ContactRepeatability],
-    ) -> Self:
-        """Gather what is known of a summary's finger at its angle."""
-        press_std, repeats = 0.0 if summary.synthetic else PRESS_STD, repeatability.get(summary.synthetic)
-        if repeats is not None and repeats.known:
-            press_std = repeats.area_std
-        highest = rows.highest_load.get(summary.key)
-        areas = summary.areas
-        return cls(
-            study=study,
-            pad=fingers[summary.finger],
-            summary=summary,
-            highest=highest,
-            highest_row=highest
-            and first_record(summary.where(summary.column("observation") == highest.observation)),
-            loading=loading_radius(curves, summary.finger_and_wedge),
-            # Of curves on which the place of contact was found.
-            fits=tuple(
-                one.fit
-                for one in curves
-                if one.fit is not None
-                and one.manifest.finger_and_wedge == summary.finger_and_wedge
-                and 0 < one.fit.contact_offset.std < math.inf
-            ),
-            loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
-            press_std=press_std,
-        )
-
-    @property
-    def no_loading_radius(self) -> str:
-        """Why there is no R_g from loading data."""
-        return NO_AREAS if self.fits else NO_CURVE
-
-    @property
-    def nothing(self) -> str:
-        """Why there is no contact with a radius."""
-        return NOTHING_COUNTS if self.pad.has_semi_axes else NO_SEMI_AXES
