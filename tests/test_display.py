@@ -212,7 +212,7 @@ def test_show_errors(results, tmp_path: Path) -> None:
     many = fp.hertz_contact(fp.Paraboloid(12, 14), SOFT, load=np.ones(30))
     for given, words in (
         ((CURVE,), "no drawing of a LoadingCurve: give a measured image"),
-        ((results["fit"], tmp_path / "a.xyz"), "a.xyz: cannot be written"),
+        ((results["fit"], tmp_path / "a.xyz"), r"written as \.svg, .* found a\.xyz"),
         ((results["fit"], tmp_path / "no-folder/a.png"), "no-folder/a.png: cannot be written"),
         ((results["photograph"], tmp_path / "a.xyz"), "a.xyz: cannot be written"),
         ((many,), "up to 20 contacts can be drawn, found 30"),

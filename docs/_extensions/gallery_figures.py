@@ -4,11 +4,13 @@ from pathlib import Path
 
 import matplotlib as mpl
 import plotly.graph_objects as go
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Drawn
 from plotly.offline import get_plotlyjs
 from sphinx_gallery.scrapers import figure_rst
 
-from fingerpad.figures import style
+from fingerpad.figures import save_figure, style
+from fingerpad.figures.marks import Figure
+from fingerpad.figures.publish import FigureSettings
 from fingerpad.figures.show import Drawing
 
 _DPI = 200
@@ -28,10 +30,12 @@ def save_drawings(_block, block_vars, gallery_conf):
     for value in list(variables.values()):
         if any(value is one for one in shown):
             continue
-        if isinstance(value, Figure | Drawing):
+        if isinstance(value, Drawn | Figure | Drawing):
             path = next(block_vars["image_path_iterator"])
-            if isinstance(value, Figure):
+            if isinstance(value, Drawn):
                 value.savefig(path, dpi=_DPI)
+            elif isinstance(value, Figure):
+                save_figure(value, path, settings=FigureSettings(dpi=_DPI))
             else:
                 value.save(path)
             paths.append(path)

@@ -21,9 +21,9 @@ from fingerpad.figures import (
     plot_press,
 )
 from fingerpad.figures.marks import Figure, Points
+from fingerpad.figures.mpl import draw_figure
 from fingerpad.figures.publish import (
     FigureSettings,
-    draw_figure,
     figure_colours,
     figure_csv,
     figure_file,
@@ -150,7 +150,10 @@ def test_from_the_command_line(figure, tmp_path):
     assert cli(tmp_path / "radius.csv") == (0, "")
     assert (tmp_path / "radius.csv").read_text(encoding="utf-8") == figure_csv(figure)
     for arguments, words in (
-        ((tmp_path / "radius.gif",), "--out: a figure is written as .svg, .pdf, .png or .csv"),
+        (
+            (tmp_path / "radius.gif",),
+            "a figure is written as .svg, .pdf, .png, .csv or .json, found radius.gif",
+        ),
         ((out, "--y-range", "1"), "--y-range: takes two numbers separated by a colon, found '1'"),
         ((out, "--width-mm", 1), "--width-mm: a figure is 20 to 500 mm wide and high, found 1"),
     ):
@@ -179,6 +182,7 @@ LINE = {"x": [0, 1], "y": [0, 1]}
         ("line", LINE, {"transform": 1}),
         ("line", LINE, {"x": {"label": None}}),
         ("line", LINE, {"columns": "2"}),
+        ("line", LINE, {"place": [0.1, 0.1, 0.8]}),
     ],
 )
 def test_a_file_of_a_figure_can_only_draw(kind, options, panel):

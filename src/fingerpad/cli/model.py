@@ -312,11 +312,10 @@ def fields(
         from fingerpad.figures import save_figure, section_figure
 
         make_folder(plot)
-        save_figure(
-            section_figure(solved, hertz=by_hertz, receptors=RECEPTORS),
-            plot / "section",
-            description="Contact pressure and maximum shear stress in the section along the finger.",
-        )
+        words = "Contact pressure and maximum shear stress in the section along the finger."
+        drawn = section_figure(solved, hertz=by_hertz, receptors=RECEPTORS)
+        for kind in ("svg", "png"):
+            save_figure(drawn, plot / f"section.{kind}", description=words)
     show.result(record, as_json, _print_fields)
 
 
@@ -421,7 +420,8 @@ def reproduce(
 
         make_folder(figures)
         for name, figure, caption in dzidek2017_figures():
-            save_figure(figure, figures / name, description=caption)
+            for kind in ("svg", "png"):
+                save_figure(figure, figures / f"{name}.{kind}", description=caption)
     show.result([asdict(item) for item in items], as_json, lambda _: _print_audit(items))
     show.folder("Figures", figures, as_json)
 

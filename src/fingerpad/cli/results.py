@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 import typer
 from typer import Argument, Option
 
-from fingerpad._files import explain_write_errors
 from fingerpad.cli import options, show
 from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
@@ -62,11 +61,8 @@ def figure(
 ) -> None:
     """Draw a figure of a report for publication, or write the data behind it."""
     from fingerpad.figures.marks import Figure
-    from fingerpad.figures.publish import FORMATS, FigureSettings, figure_file
+    from fingerpad.figures.publish import FigureSettings, save_figure
 
-    kind = next((each for each in FORMATS if out.suffix.lower() == f".{each}"), None)
-    if kind is None:
-        raise FigureError(f"--out: a figure is written as .svg, .pdf, .png or .csv, found {out.name}")
     ranges = {"x_range": _range("--x-range", x_range), "y_range": _range("--y-range", y_range)}
     try:
         settings = FigureSettings(
@@ -88,9 +84,7 @@ def figure(
         raise FigureError(
             f"{file}: not a figure of a report: name a file of results/figures that ends in .json"
         ) from error
-    content = figure_file(drawn, kind, settings)
-    with explain_write_errors(out, "choose another --out"):
-        out.write_bytes(content)
+    save_figure(drawn, out, settings=settings)
     typer.echo(f"Wrote {out}")
 
 

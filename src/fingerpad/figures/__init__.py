@@ -1,7 +1,7 @@
 """All drawing: the figures of Dzidek et al. (2017) and those of a study, on axes that the caller provides.
 
-Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes axes without any global state,
-`save_figure` and `figure_svg` write them.
+Every ``plot_*`` draws on Matplotlib axes, or on panels of a figure as data, and returns them. `new_figure`
+makes the one without any global state, `new_panels` the other, which `save_figure` and `svg` write.
 
 Matplotlib's figures are imported when something is first drawn on them.
 """

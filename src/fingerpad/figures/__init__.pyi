@@ -28,7 +28,7 @@ from .section import (
     plot_section as plot_section,
     section_figure as section_figure,
 )
-from .style import figure_svg as figure_svg, new_figure as new_figure
+from .style import new_figure as new_figure
 from .svg import svg as svg
 from .wedge import (
     dzidek2017_figures as dzidek2017_figures,

@@ -58,7 +58,7 @@ def _checked(name: str, kind: Any, value: Any) -> Any:
         good = value in options
     elif get_origin(kind) is Annotated:
         good = isinstance(value, str) and options[1].fullmatch(value) is not None
-    elif get_origin(kind) is tuple:
+    elif get_origin(kind) is tuple and (options[-1] is ... or len(value) == len(options)):
         return tuple(_checked(name, options[0], one) for one in value)
     else:
         good = isinstance(value, get_origin(kind) or kind)
@@ -95,7 +95,7 @@ class Points(Mark):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line(Mark):
-    """A line, broken where a number is missing; with a `face` it is filled."""
+    """A line, broken where a number is missing; with a `face` it is filled, but where it turns backwards."""
 
     x: Numbers
     y: Numbers
@@ -153,7 +153,10 @@ class Ellipses(Mark):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Text(Mark):
-    """Text, moved by some points from its place, which may be in fractions of the frame; a `tag` is boxed."""
+    """Text, moved by some points from its place, which may be in fractions of the frame.
+
+    A `tag` is boxed; a `halo` keeps text readable over what is drawn.
+    """
 
     text: str
     x: float
@@ -166,6 +169,7 @@ class Text(Mark):
     horizontal: Side = "left"
     vertical: Literal["baseline", "top", "center", "bottom"] = "baseline"
     tag: bool = False
+    halo: Colour = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,7 +189,10 @@ KINDS: Final = {kind.__name__.lower(): kind for kind in get_args(AnyMark)}
 
 @dataclass(frozen=True, slots=True)
 class Axis(_Record):
-    """One of two axes; ends that are None follow the data with a margin; without `lines` only names show."""
+    """One of two axes; ends that are None follow the data with a margin.
+
+    Without `lines` only names show, with empty `names` only lines.
+    """
 
     label: str = ""
     _: KW_ONLY
@@ -214,6 +221,8 @@ class Panel(_Record):
     columns: int = 0  # of the legend; 0 for two from four entries on, else one
     equal: bool = False
     framed: bool = True
+    # Of its frame left, bottom, width and height in fractions of the figure; else that follows from the text.
+    place: tuple[float, float, float, float] | None = None
 
     def add(self, *marks: AnyMark) -> None:
         """Draw marks above those that are there."""

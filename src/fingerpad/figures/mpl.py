@@ -1,21 +1,28 @@
-"""Marks on Matplotlib's axes."""
+"""Marks on Matplotlib's axes, and figures as PDF and PNG."""
 
 import base64
 import io
 from collections.abc import Callable
 from functools import wraps
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Concatenate, Final, Literal, ParamSpec, TypeVar, assert_never
 
 import numpy as np
-from matplotlib.ticker import NullLocator
+from matplotlib import text as mpl_text
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import NullFormatter, NullLocator
 from PIL import Image
 
+from fingerpad.exceptions import FigureError
 from fingerpad.figures.marks import (
     AnyMark,
     Axis,
     Band,
     Bars,
     Ellipses,
+    Figure,
     Line,
     Panel,
     Picture,
@@ -23,17 +30,22 @@ from fingerpad.figures.marks import (
     Rule,
     Text,
 )
-from fingerpad.figures.style import in_style, tick_rule
+from fingerpad.figures.style import FONT_PT, HALO_PT, TICK_PT, in_style, new_figure, tick_rule
 from fingerpad.figures.svg import legend_columns
 
 if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawn
 
 Arguments = ParamSpec("Arguments")
 # What is drawn on; it is returned.
 AnyAxes = TypeVar("AnyAxes", "Axes", Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
+_LARGEST_PX: Final = 12_000
+# Of files, what would differ from one writing to the next.
+_VARYING: Final = {"pdf": ("CreationDate", "Creator", "Producer"), "png": ("Software",)}
+_DRAWING: Final = Lock()  # Matplotlib's settings are global
 _LEGENDS: Final[dict[str, dict[str, Any]]] = {
     "above": {
         "loc": "lower left",
@@ -61,6 +73,40 @@ def on_axes(
         return axes
 
     return drawn  # type: ignore[return-value]  # Concatenate knows no names
+
+
+def render(figure: Figure, kind: Literal["pdf", "png"], dpi: float) -> bytes:
+    """Return a figure as a file, the same bytes each time."""
+    with _DRAWING, in_style():
+        drawn = draw_figure(figure)
+        if kind == "png":
+            width, height = (round(dpi * float(inches)) for inches in drawn.get_size_inches())
+            if max(width, height) > _LARGEST_PX:
+                raise FigureError(f"dpi: {max(width, height)} pixels are too many: take fewer dots per inch")
+            # Matplotlib cuts off, and may lose one.
+            drawn.set_size_inches((width + 0.01) / dpi, (height + 0.01) / dpi)
+        buffer = io.BytesIO()
+        drawn.savefig(buffer, format=kind, metadata=dict.fromkeys(_VARYING[kind]), dpi=dpi)
+        return buffer.getvalue()
+
+
+@in_style()
+def draw_figure(figure: Figure) -> "Drawn":
+    """Return Matplotlib's figure of a figure that is kept as data."""
+    shape = {name: getattr(figure, name) for name in ("width_mm", "height_mm", "rows", "columns")}
+    drawn, every = new_figure(**shape)
+    for axes, panel in zip(every, figure.panels, strict=True):
+        draw(panel, axes)
+        axes.set_xlim(*panel.limits("x"))
+        axes.set_ylim(*panel.limits("y"))
+        if panel.place is not None:
+            axes.set_position(panel.place)
+    factor = figure.font_pt / FONT_PT
+    for words in drawn.findobj(mpl_text.Text):
+        words.set_fontsize(factor * float(words.get_fontsize()))
+    for axes in every:
+        axes.tick_params(labelsize=factor * TICK_PT)  # of ticks that are not yet there
+    return drawn
 
 
 @in_style()
@@ -98,6 +144,8 @@ def _set_axis(wanted: Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
             locator, formatter = tick_rule(wanted, *axis.get_view_interval())
             axis.set_major_locator(locator)
             axis.set_major_formatter(formatter)
+    if wanted.names == ():
+        axis.set_major_formatter(NullFormatter())
     if not wanted.lines:
         axes.grid(visible=False, axis=name)
         axes.tick_params(axis=name, length=0)
@@ -116,10 +164,15 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
         case Line() if mark.face:
-            look |= {"facecolor": mark.face, "edgecolor": mark.colour, "linewidth": mark.width}
-            axes.fill(mark.x, mark.y, **look)
+            known = np.isfinite(mark.x + mark.y)
+            goes_on = known & np.append(False, known[:-1])
+            codes = np.where(goes_on, Path.LINETO, Path.MOVETO)[known]
+            outline = Path(np.column_stack([mark.x, mark.y])[known], codes)
+            look |= {"facecolor": mark.face, "edgecolor": (mark.colour, mark.alpha), "alpha": None}
+            axes.add_patch(PathPatch(outline, linewidth=mark.width, **look))
         case Line():
-            axes.plot(mark.x, mark.y, mark.dash, linewidth=mark.width, clip_on=mark.clipped, **coloured)
+            look = {**coloured, "linewidth": mark.width, "clip_on": mark.clipped, "solid_capstyle": "butt"}
+            axes.plot(mark.x, mark.y, mark.dash, **look)
         case Band():
             axes.fill_between(mark.x, mark.low, mark.high, linewidth=0, **coloured)
         case Rule():
@@ -160,6 +213,7 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
                 fontsize=mark.size,
                 annotation_clip=False,
                 zorder=order,
+                path_effects=[withStroke(linewidth=HALO_PT, foreground=mark.halo)] if mark.halo else [],
                 **tag,
             )
         case Picture():

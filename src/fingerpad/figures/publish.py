@@ -7,24 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from threading import Lock
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
+from typing import Any, Final, Literal, TypeAlias, get_args
 
-from matplotlib import text as mpl_text
 from matplotlib.colors import is_color_like, to_hex
 
 from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import FigureError
-from fingerpad.figures import style
 from fingerpad.figures.marks import AnyMark, Axis, Band, Figure, Line, Panel, Picture, Rule, Text, data_of
-from fingerpad.figures.mpl import draw
+from fingerpad.figures.mpl import render
+from fingerpad.figures.style import BLACK
 from fingerpad.figures.svg import svg
 from fingerpad.figures.svg_text import runs
 
-if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
-    from matplotlib.figure import Figure as Drawn
-
-Format: TypeAlias = Literal["svg", "pdf", "png", "csv"]
+Format: TypeAlias = Literal["svg", "pdf", "png", "csv", "json"]
 Scale: TypeAlias = Literal["linear", "log"]
 # Either end of an axis, None where it follows the data.
 Range: TypeAlias = tuple[float | None, float | None]
@@ -39,12 +34,11 @@ _LIMITS: Final = {
     "font_pt": (3.0, 30.0, "labels have 3 to 30 points"),
     "dpi": (50.0, 1200.0, "a PNG has 50 to 1200 dots per inch"),
 }
-_LARGEST_PX: Final = 12_000
 # Of data without a label, in the CSV.
 _SERIES: Final[dict[type, str]] = {Line: "line", Band: "band", Rule: "level"}
 # Of text, axes and paper: not of data.
-_NEUTRAL: Final = frozenset({style.BLACK, "white", "none", ""})
-_DRAWING: Final = Lock()  # Matplotlib's settings are global
+_NEUTRAL: Final = frozenset({BLACK, "white", "none", ""})
+_XML: Final = '<?xml version="1.0" encoding="utf-8"?>\n'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,103 +76,69 @@ class FigureSettings:
                 raise FigureError(f"colours: give names or #rrggbb, found {colour!r}")
 
 
-@style.in_style()
 def save_figure(
-    figure: "Figure | Drawn", path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
-) -> tuple[Path, ...]:
-    """Write `path`.svg and `path`.png, the same bytes for the same drawing.
+    figure: Figure,
+    path: str | PathLike[str],
+    *,
+    settings: FigureSettings | None = None,
+    description: str = "",
+) -> Path:
+    """Write a figure as SVG, PDF, PNG, CSV or JSON, by the ending of the file; the same bytes each time.
 
-    Of a figure that is kept as data, `path`.json takes the place of the PNG: `fingerpad figure` draws it.
+    The CSV has all data, whatever the axes show. What is written as JSON, `fingerpad figure` draws.
 
     Parameters
     ----------
     figure : Figure
-        Matplotlib's, or one that is kept as data.
+        As data: from `new_panels`, and from functions that return a figure.
     path : path-like
-        File name without suffix; its last part also goes into the ids of the SVG.
+        The file.
+    settings : FigureSettings, optional
+        Width, fonts, axes, colours and resolution, where they are not those of the figure.
     description : str
-        Alternative text of the SVG.
-    dpi : float
-        Resolution of the PNG.
+        Alternative text of an SVG.
 
     Returns
     -------
-    tuple of Path
-        The SVG and the other file.
+    Path
+        The file written.
 
     Raises
     ------
+    FigureError
+        If there is no such format, or the settings do not fit the figure.
     FingerpadError
-        If a file cannot be written.
+        If the file cannot be written.
 
     Examples
     --------
     >>> import tempfile
-    >>> figure, axes = style.new_figure()
+    >>> from fingerpad.figures import new_panels
+    >>> figure, (axes,) = new_panels()
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
-    ['empty.svg', 'empty.png']
+    ...     save_figure(figure, f"{folder}/empty.svg").name
+    'empty.svg'
     """
-    path = Path(path)
-    if isinstance(figure, Figure):
-        drawing, other = svg(figure, path.name, description=description), "json"
-        content = f"{figure.to_json()}\n".encode()
-    else:
-        layout, other = figure.get_layout_engine(), "png"
-        if layout is not None:  # once for both: left to itself each file takes two, longer than to draw it
-            layout.execute(figure)
-            figure.set_layout_engine("none")
-        content = style.render(figure, "png", dpi=dpi, pil_kwargs={"compress_level": style.PNG_LEVEL})
-        drawing = style.figure_svg(figure, path.name, description=description)
-        figure.set_layout_engine(layout)
-    files = {path.with_name(f"{path.name}.svg"): (style.XML + drawing).encode()}
-    files[path.with_name(f"{path.name}.{other}")] = content
+    path, settings = Path(path), settings or FigureSettings()
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise FigureError(f"a figure is written as .svg, .pdf, .png, .csv or .json, found {path.name}")
+    content = figure_file(figure, kind, settings, name=path.stem, description=description)
     with explain_write_errors(path, "make room, or choose another"):
-        for file, of_file in files.items():
-            file.write_bytes(of_file)
-    return tuple(files)
+        path.write_bytes(content)
+    return path
 
 
-def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes:
-    """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time.
-
-    The CSV has all data, whatever the axes show.
-    """
+def figure_file(
+    figure: Figure, kind: Format, settings: FigureSettings, *, name: str = "figure", description: str = ""
+) -> bytes:
+    """Return the content of a file of a figure; its name also goes into the ids of an SVG."""
     if kind == "csv":
         return figure_csv(figure).encode()
     wanted = with_settings(figure, settings)
     if kind == "svg":
-        return (style.XML + svg(wanted, "figure")).encode()
-    with _DRAWING:
-        drawn = draw_figure(wanted)
-        return style.render(drawn, "pdf") if kind == "pdf" else _png(drawn, settings.dpi)
-
-
-def _png(drawn: "Drawn", dpi: float) -> bytes:
-    pixels = [round(dpi * float(inches)) for inches in drawn.get_size_inches()]
-    if max(pixels) > _LARGEST_PX:
-        raise FigureError(f"dpi: {max(pixels)} pixels are too many: take fewer dots per inch")
-    # Matplotlib cuts off, and may lose one.
-    across, down = ((count + 0.01) / dpi for count in pixels)
-    drawn.set_size_inches(across, down)
-    return style.render(drawn, "png", dpi=dpi)
-
-
-@style.in_style()
-def draw_figure(figure: Figure) -> "Drawn":
-    """Return Matplotlib's figure of a figure that is kept as data."""
-    shape = {name: getattr(figure, name) for name in ("width_mm", "height_mm", "rows", "columns")}
-    drawn, every = style.new_figure(**shape)
-    for axes, panel in zip(every, figure.panels, strict=True):
-        draw(panel, axes)
-        axes.set_xlim(*panel.limits("x"))
-        axes.set_ylim(*panel.limits("y"))
-    factor = figure.font_pt / style.FONT_PT
-    for words in drawn.findobj(mpl_text.Text):
-        words.set_fontsize(factor * float(words.get_fontsize()))
-    for axes in every:
-        axes.tick_params(labelsize=factor * style.TICK_PT)  # of ticks that are not yet there
-    return drawn
+        return f"{_XML}{svg(wanted, name, description=description)}".encode()
+    return f"{wanted.to_json()}\n".encode() if kind == "json" else render(wanted, kind, settings.dpi)
 
 
 def with_settings(figure: Figure, settings: FigureSettings) -> Figure:

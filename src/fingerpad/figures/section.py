@@ -1,32 +1,31 @@
 """The section under a contact: pressure above, shear stress in the tissue, receptors and bone."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
-from matplotlib.patheffects import withStroke
+from contourpy import FillType, contour_generator
+from matplotlib.colors import to_hex
 from matplotlib.ticker import MaxNLocator
 
+from fingerpad._arrays import FloatArray
 from fingerpad.contact import ContactField, ContactSection
-from fingerpad.figures.marks import Axis, Band, Line, Panel
+from fingerpad.figures.marks import Axis, Band, Figure, Line, Panel, Points, Rule, Text, new_panels
 from fingerpad.figures.mpl import on_axes
-from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, new_figure
+from fingerpad.figures.style import BLUE, GREY, VERMILLION
 from fingerpad.units import KPA_PER_MPA
 
-_LEVELS: Final = 16
-_STEPS: Final = 1, 2, 2.5, 5, 10  # between levels and ticks
+_LEVELS: Final = MaxNLocator(16, steps=(1, 2, 2.5, 5, 10))
 _COLOURS: Final = "YlOrBr"
 _BONE: Final = "#ece7dc"
 _BONE_SHOWN: Final = 0.09  # of the section's width
+_HATCH: Final = 36  # lines over the section's width
 _LABEL_GAP: Final = 2.8  # mm on paper between the labels of receptors
 # Room beside, above and between the axes, and height of the colour bar and of its label, mm on paper.
 _LEFT, _RIGHT, _TOP, _GAP, _FOOT, _BAR, _BAR_LABEL = 11.0, 17.5, 5.0, 2.5, 9.5, 2.6, 10.0
-_HALO: Final = [withStroke(linewidth=1.6, foreground="white")]
 
 
 @on_axes
@@ -73,10 +72,10 @@ def plot_contact_pressure(
     axes.y = Axis("pressure (kPa)", low=0)
 
 
-@in_style()
+@on_axes
 def plot_section(
-    axes: Axes, section: ContactSection, *, highest_shear: tuple[float, float] | None = None
-) -> ContourSet:
+    axes: Panel, section: ContactSection, *, highest_shear: tuple[float, float] | None = None
+) -> None:
     """Draw the maximum shear stress in the section along the finger, and the bone below.
 
     Parameters
@@ -90,8 +89,8 @@ def plot_section(
 
     Returns
     -------
-    ContourSet
-        The filled contours, for a colour bar.
+    Axes
+        `axes`.
 
     Examples
     --------
@@ -101,81 +100,87 @@ def plot_section(
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> place = Placement(pad, wedge_angle=np.radians(30))
     >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
-    >>> filled = plot_section(plt.figure().subplots(), field.section())
-    >>> filled.levels[-1] > 5  # kPa
-    np.True_
+    >>> axes = plot_section(plt.figure().subplots(), field.section())
+    >>> axes.get_ylabel()
+    'depth (mm)'
     """
     shear = KPA_PER_MPA * section.maximum_shear
-    levels = MaxNLocator(_LEVELS, steps=_STEPS).tick_values(0, float(np.nanmax(shear)))
-    filled = axes.contourf(section.along, section.depth, shear, levels, cmap=_COLOURS)
-    axes.contour(section.along, section.depth, shear, levels, colors=BLACK, linewidths=0.25, alpha=0.5)
-    left, right, bottom = section.along[0], section.along[-1], section.depth[-1]
+    contours = contour_generator(section.along, section.depth, shear, fill_type=FillType.OuterOffset)
+    for low, _, colour in _steps(section):
+        # All that is above a level, with the next level upon it: between two areas side by side is a gap.
+        outlines = [
+            part
+            for points, offsets in zip(*contours.filled(low, np.inf), strict=True)
+            for part in np.split(points, offsets[1:-1])
+        ]
+        label = f"_above {low:g} kPa"
+        axes.add(Line(*_joined(outlines), face=colour, width=0.25, alpha=0.5, label=label))
+    left, right, bottom = float(section.along[0]), float(section.along[-1]), float(section.depth[-1])
     if bottom == section.thickness:
         bottom += _BONE_SHOWN * (right - left)
-        _draw_bone(axes, section, bottom)
+        axes.add(*_bone(left, right, section.thickness, bottom))
     touching = section.along[section.pressure > 0]
     if touching.size:
-        axes.plot(touching[[0, -1]], [0, 0], color=BLUE, linewidth=3, solid_capstyle="butt", clip_on=False)
-    axes.plot([0, 0], [0, section.depth[-1]], color=BLACK, linewidth=0.6, linestyle="-.")
+        axes.add(Line(touching[[0, -1]], 0.0, colour=BLUE, width=3, clipped=False))
+    axes.add(Line([0, 0], [0, section.depth[-1]], width=0.6, dash="-."))
     if highest_shear is not None:
         value, depth = highest_shear
-        axes.plot(0, depth, "o", color=VERMILLION, markeredgecolor="white", markeredgewidth=0.7, zorder=4)
         text = f"{KPA_PER_MPA * value:.3g} kPa at {depth:.1f} mm"
-        axes.annotate(text, (0, depth), (5, 0), textcoords="offset points", va="center", path_effects=_HALO)
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, 0)
-    axes.set_aspect("equal")
-    axes.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
-    axes.grid(visible=False)
-    axes.set_xlabel("along the finger (mm), fingertip →")
-    axes.set_ylabel("depth (mm)")
-    return filled
-
-
-def _draw_bone(axes: Axes, section: ContactSection, bottom: float) -> None:
-    left, right = section.along[0], section.along[-1]
-    size = right - left, bottom - section.thickness
-    with mpl.rc_context({"hatch.linewidth": 0.5}):
-        bone = Rectangle(
-            (left, section.thickness), *size, facecolor=_BONE, edgecolor=GREY, hatch="////", lw=0
+        axes.add(
+            Points(0.0, depth, colour=VERMILLION, edge="white", edge_width=0.7),
+            Text(text, 0, depth, right=5, vertical="center", halo="white"),
         )
-        axes.add_patch(bone)
-    axes.axhline(section.thickness, color=BLACK, linewidth=1.0)
-    axes.text(
-        (left + right) / 2,
-        (section.thickness + bottom) / 2,
-        "bone",
-        ha="center",
-        va="center",
-        bbox={"facecolor": _BONE, "edgecolor": "none", "pad": 1.0},
-    )
+    axes.x = Axis("along the finger (mm), fingertip →", low=left, high=right)
+    axes.y = Axis("depth (mm)", low=bottom, high=0.0)
+    axes.equal = True
 
 
-@in_style()
-def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, spacing: float) -> None:
+def _steps(section: ContactSection) -> list[tuple[float, float, str]]:
+    """Return levels of shear stress, kPa, from one to the next, with their colours."""
+    levels = [*_LEVELS.tick_values(0, KPA_PER_MPA * float(np.nanmax(section.maximum_shear)))]
+    middles = (np.arange(len(levels) - 1) + 0.5) / (len(levels) - 1)
+    colours = map(to_hex, mpl.colormaps[_COLOURS](middles))
+    return [(low, high, colour) for (low, high), colour in zip(pairwise(levels), colours, strict=True)]
+
+
+def _joined(lines: list[FloatArray]) -> FloatArray:
+    """Return the coordinates of lines as those of one, with gaps."""
+    gap = np.full((1, 2), np.nan)
+    return np.concatenate([part for line in lines for part in (line, gap)]).T
+
+
+def _bone(left: float, right: float, top: float, bottom: float) -> list[Line | Rule | Text]:
+    """Return the bone, hatched and named, under its upper edge."""
+    starts = np.arange(left - (bottom - top), right, (right - left) / _HATCH)
+    hatch = [np.array([(start, bottom), (start + bottom - top, top)]) for start in starts]
+    middle = (left + right) / 2, (top + bottom) / 2
+    return [
+        Rule("y", top, bottom, colour=_BONE),
+        Line(*_joined(hatch), colour=GREY, width=0.5),
+        Line([left, right], top, width=1.0),
+        Text("bone", *middle, horizontal="center", vertical="center", halo=_BONE),
+    ]
+
+
+@on_axes
+def mark_receptors(axes: Panel, receptors: Mapping[str, tuple[float, float]], *, spacing: float) -> None:
     """Draw the middle depths of receptors as thin lines, their ranges as bars to the right of a section."""
-    right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
+    right, bottom = axes.limits("x")[1], axes.limits("y")[0]
     place = -np.inf
     for index, (name, (low, high)) in enumerate(sorted(receptors.items(), key=lambda item: item[1])):
         middle = (low + high) / 2
         if high > bottom:
             continue
         place = max(middle, place + spacing)
-        beside = right + (0.3 + 0.3 * (index % 2)) * spacing
-        axes.axhline(middle, color=BLACK, linewidth=0.45, linestyle=(0, (5, 3)))
-        axes.plot([beside, beside], [low, high], color=BLACK, linewidth=1.6, clip_on=False)
-        axes.annotate(
-            name,
-            (beside, middle),
-            (right + 1.3 * spacing, place),
-            va="center",
-            fontsize=6.5,
-            annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": BLACK, "shrinkA": 0.5, "shrinkB": 0},
+        beside, words = right + (0.3 + 0.3 * (index % 2)) * spacing, right + 1.3 * spacing
+        axes.add(
+            Rule("y", middle, width=0.45, dash="--"),
+            Line([beside, beside], [low, high], width=1.6, clipped=False),
+            Line([beside, words], [middle, place], width=0.4, clipped=False),
+            Text(name, words, place, right=2, vertical="center", size=6.5),
         )
 
 
-@in_style()
 def section_figure(
     field: ContactField,
     *,
@@ -203,6 +208,7 @@ def section_figure(
     Returns
     -------
     Figure
+        As data, which `save_figure` writes.
 
     Examples
     --------
@@ -212,33 +218,32 @@ def section_figure(
     >>> place = Placement(pad, wedge_angle=np.radians(30))
     >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> figure = section_figure(field, receptors={"Merkel": (0.7, 1.0)})
-    >>> [axes.get_ylabel() for axes in figure.axes]
+    >>> [panel.y.label for panel in figure.panels]
     ['pressure (kPa)', 'depth (mm)', '']
     """
     section = field.section(points=points, levels=levels)
-    extent = section.along[-1] - section.along[0]
-    deepest = section.depth[-1]
+    extent, deepest = float(np.ptp(section.along)), float(section.depth[-1])
     if deepest == section.thickness:
         deepest += _BONE_SHOWN * extent
     inner = width_mm - _LEFT - _RIGHT
     pressure, depth = 0.3 * inner, inner * deepest / extent
     low = _FOOT + _BAR + _BAR_LABEL
     total = low + depth + _GAP + pressure + _TOP
-    figure, (empty,) = new_figure(width_mm=width_mm, height_mm=total)
-    empty.remove()
-    figure.set_layout_engine("none")
-
-    def box(bottom: float, height: float) -> tuple[float, float, float, float]:
-        return _LEFT / width_mm, bottom / total, inner / width_mm, height / total
-
-    upper = figure.add_axes(box(low + depth + _GAP, pressure))
-    lower = figure.add_axes(box(low, depth), sharex=upper)
-    bar = figure.add_axes(box(_FOOT, _BAR))
+    figure, (upper, lower, bar) = new_panels(width_mm=width_mm, height_mm=total, rows=3)
+    for panel, bottom, height in (
+        (upper, low + depth + _GAP, pressure),
+        (lower, low, depth),
+        (bar, _FOOT, _BAR),
+    ):
+        panel.place = _LEFT / width_mm, bottom / total, inner / width_mm, height / total
     plot_contact_pressure(upper, section, hertz=None if hertz is None else hertz.section())
-    upper.yaxis.set_major_locator(MaxNLocator(3, steps=_STEPS))
-    upper.tick_params(labelbottom=False)
-    filled = plot_section(lower, section, highest_shear=field.highest_shear_on_axis())
+    plot_section(lower, section, highest_shear=field.highest_shear_on_axis())
+    upper.x = replace(lower.x, label="", names=())
     mark_receptors(lower, receptors or {}, spacing=_LABEL_GAP * extent / inner)
-    figure.colorbar(filled, cax=bar, orientation="horizontal", label="maximum shear stress (kPa)")
-    bar.grid(visible=False)
+    steps = _steps(section)
+    bar.add(*(Rule("x", low, high, colour=colour) for low, high, colour in steps))
+    highest = steps[-1][1]
+    bar.add(Line([0, highest, highest, 0, 0], [0, 0, 1, 1, 0], width=0.6, clipped=False))
+    bar.x = Axis("maximum shear stress (kPa)", low=0.0, high=highest)
+    bar.y = Axis(low=0.0, high=1.0, ticks=())
     return figure

@@ -8,16 +8,15 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 from PIL import Image
 
 from fingerpad._arrays import broadcast
 from fingerpad.contact import Contact
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.loading import law_lines, plot_load_indentation, plot_load_residuals, predicted_band
-from fingerpad.figures.marks import Axis, Line, Panel
-from fingerpad.figures.mpl import draw as draw_panel
-from fingerpad.figures.style import BLUE, in_style, new_figure
+from fingerpad.figures.marks import Axis, Figure, Line, new_panels
+from fingerpad.figures.publish import FigureSettings, figure_file, save_figure
+from fingerpad.figures.style import BLUE
 from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
 from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay
@@ -25,7 +24,7 @@ from fingerpad.loading import LoadingFit
 
 # More contacts than these make no readable figure.
 _MAX_CONTACTS: Final = 20
-_DPI: Final = 144.0
+_SETTINGS: Final = FigureSettings(dpi=144.0)
 _PREVIEW_PX: Final = 640
 
 
@@ -36,7 +35,7 @@ class Drawing:
     Attributes
     ----------
     content : Figure or Image
-        Matplotlib's figure, or the overlay.
+        The figure as data, or the overlay.
     """
 
     content: Figure | Image.Image
@@ -47,11 +46,11 @@ class Drawing:
     @property
     def png(self) -> bytes:
         """The drawing as a PNG file of a size for a notebook."""
-        content, buffer = self.content, io.BytesIO()
-        if isinstance(content, Image.Image):
-            content = content.copy()
-            content.thumbnail((_PREVIEW_PX, _PREVIEW_PX))
-        Drawing(content)._write(buffer, "png")
+        if isinstance(self.content, Figure):
+            return figure_file(self.content, "png", _SETTINGS)
+        small, buffer = self.content.copy(), io.BytesIO()
+        small.thumbnail((_PREVIEW_PX, _PREVIEW_PX))
+        small.save(buffer, "png")
         return buffer.getvalue()
 
     def _repr_png_(self) -> bytes:
@@ -76,19 +75,15 @@ class Drawing:
             If there is no such format, or the file cannot be written.
         """
         path = Path(path)
+        if isinstance(self.content, Figure):
+            return save_figure(self.content, path, settings=_SETTINGS)
         try:
-            self._write(path, path.suffix.lstrip(".").lower() or "png")
-        except (OSError, ValueError, KeyError) as error:
+            self.content.save(path)
+        except (OSError, ValueError) as error:
             raise FingerpadError(
                 f"{path}: cannot be written ({error}): check the folder and end the name in .png"
             ) from error
         return path
-
-    def _write(self, target: Path | io.BytesIO, suffix: str) -> None:
-        if isinstance(self.content, Figure):
-            in_style()(self.content.savefig)(target, format=suffix, dpi=_DPI)
-        else:
-            self.content.save(target, format={"jpg": "jpeg", "tif": "tiff"}.get(suffix, suffix))
 
 
 def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
@@ -147,7 +142,7 @@ def _(result: ContactImageResult | PhotographFit) -> Drawing:
 
 @draw.register
 def _(result: LoadingFit) -> Drawing:
-    figure, (loads, residuals) = new_figure(width_mm=170, height_mm=75, columns=2)
+    figure, (loads, residuals) = new_panels(width_mm=170, height_mm=75, columns=2)
     xi, load, phase = result.indentation, result.load, np.where(result.indentation > 0, "loading", "baseline")
     own = result.law
     if own is not None and own.phase == "unloading":
@@ -163,7 +158,7 @@ def _(result: LoadingFit) -> Drawing:
 def _(result: Placement) -> Drawing:
     if result.wedge_angle.ndim:
         raise FingerpadError(f"one placement can be drawn, found {result.wedge_angle.size}: give one of them")
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_panels()
     plot_wedge(axes, result.ellipsoid, wedge_angle=float(result.wedge_angle))
     return Drawing(figure)
 
@@ -173,17 +168,15 @@ def _(result: Contact) -> Drawing:
     contacts = [array.ravel() for array in broadcast(result.semi_major, result.semi_minor, result.load)]
     if contacts[0].size > _MAX_CONTACTS:
         raise FingerpadError(f"up to {_MAX_CONTACTS} contacts can be drawn, found {contacts[0].size}")
-    short, long = Axis("short axis (unit of the radii)"), Axis("long axis (unit of the radii)")
-    ellipses = Panel(x=short, y=long, equal=True)
-    along, pressure = Axis("along the long axis (unit of the radii)"), Axis("pressure (unit of E*)", low=0)
-    pressures = Panel(x=along, y=pressure)
+    figure, (ellipses, pressures) = new_panels(width_mm=140, columns=2)
+    ellipses.x, ellipses.y = Axis("short axis (unit of the radii)"), Axis("long axis (unit of the radii)")
+    ellipses.equal = True
+    pressures.x = Axis("along the long axis (unit of the radii)")
+    pressures.y = Axis("pressure (unit of E*)", low=0)
     t = np.linspace(0, 2 * np.pi, 181)
     for major, minor, load in zip(*contacts, strict=True):
         ellipses.add(Line(minor * np.cos(t), major * np.sin(t), colour=BLUE))
         # The pressure p0 √(1 − x²/ℓd²) along the long axis.
         peak = 1.5 * load / (np.pi * major * minor)
         pressures.add(Line(major * np.cos(t[:91]), peak * np.sin(t[:91]), colour=BLUE))
-    figure, every = new_figure(width_mm=140, columns=2)
-    for panel, axes in zip((ellipses, pressures), every, strict=True):
-        draw_panel(panel, axes)
     return Drawing(figure)

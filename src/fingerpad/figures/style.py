@@ -1,12 +1,8 @@
-"""One style for every figure, and files that are reproducible byte for byte."""
+"""One style for every figure."""
 
-import hashlib
-import io
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from html import escape
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
 from matplotlib import ticker
@@ -19,13 +15,6 @@ if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn witho
 
     from fingerpad.figures.marks import Axis
 
-XML: Final = '<?xml version="1.0" encoding="utf-8"?>\n'
-# Of files, what would differ from one writing to the next.
-_VARYING: Final = {
-    "svg": ("Date", "Creator", "Format", "Type"),
-    "pdf": ("CreationDate", "Creator", "Producer"),
-    "png": ("Software",),
-}
 # Of PNG files: a tenth larger than by the usual 6, in half the time.
 PNG_LEVEL: Final = 3
 
@@ -42,8 +31,8 @@ GRID: Final = "#e4e4e4"
 # Of what is drawn, but not pooled.
 FADED: Final = 0.4
 
-# Sizes of text, and half the width of the ends of bars, points.
-FONT_PT, TICK_PT, LEGEND_PT, CAP_PT = 7.5, 7.0, 6.8, 1.8
+# Sizes of text, half the width of the ends of bars, and width of the lines around a halo's letters, points.
+FONT_PT, TICK_PT, LEGEND_PT, CAP_PT, HALO_PT = 7.5, 7.0, 6.8, 1.8, 1.6
 
 _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "font.family": "DejaVu Sans",  # shipped with Matplotlib: the same on every machine
@@ -97,7 +86,8 @@ def tick_rule(
         return ticker.LogLocator(subs=subs), ticker.StrMethodFormatter("{x:g}")
     numbers = ticker.ScalarFormatter(useOffset=False)
     numbers.set_scientific(False)
-    return ticker.MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)), numbers
+    labels = ticker.NullFormatter() if axis.names == () else numbers
+    return ticker.MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)), labels
 
 
 @in_style()
@@ -111,32 +101,3 @@ def new_figure(
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
-
-
-@in_style()
-def render(figure: "Figure", kind: Literal["svg", "pdf", "png"], **options: Any) -> bytes:
-    """Return Matplotlib's figure as a file, the same bytes for the same drawing."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(_VARYING[kind]), **options)
-    return buffer.getvalue()
-
-
-def figure_svg(figure: "Figure", name: str, *, description: str = "") -> str:
-    """Return the figure as an ``<svg>`` element that can stand in an HTML page beside others.
-
-    Text stays text. Ids and styles carry a prefix made from `name` and the drawing, so that drawings in one
-    page do not affect each other.
-    """
-    drawing = render(figure, "svg").decode()
-    drawing = drawing[drawing.index("<svg") :]
-    prefix, attributes = svg_attributes(name, drawing, description)
-    drawing = re.sub(r'(\bid="|href="#|url\(#)', rf"\1{prefix}-", drawing)
-    drawing = re.sub(r'(<style type="text/css">)\*', rf"\1#{prefix} *", drawing)
-    return drawing.replace("<svg ", f"<svg {attributes} ", 1)
-
-
-def svg_attributes(name: str, drawing: str, description: str) -> tuple[str, str]:
-    """Return an id that no other drawing in a page has, and the attributes of one that is read aloud."""
-    digest = hashlib.sha256(f"{name}\0{drawing}".encode()).hexdigest()
-    own = f"figure-{digest[:12]}"
-    return own, f'id="{own}"' + (f' role="img" aria-label="{escape(description)}"' if description else "")

@@ -3,9 +3,11 @@
 Lengths are points, 1/72 inch, from the upper left corner.
 """
 
+import hashlib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
 from typing import Any, Final, assert_never
 
 import numpy as np
@@ -55,9 +57,11 @@ def svg(figure: Figure, name: str, *, description: str = "") -> str:
     drawings = [_Drawing(panel, f"@clip{number}", factor) for number, panel in enumerate(figure.panels)]
     _place(drawings, figure, width, height)
     body = "".join(drawing.element() for drawing in drawings)
-    prefix, attributes = style.svg_attributes(name, body, description)
+    digest = hashlib.sha256(f"{name}\0{body}".encode()).hexdigest()
+    prefix = f"figure-{digest[:12]}"  # no other drawing in a page has such ids
+    said = f' role="img" aria-label="{escape(description)}"' if description else ""
     return (
-        f'<svg {attributes} xmlns="http://www.w3.org/2000/svg" width="{width:.2f}pt" '
+        f'<svg id="{prefix}"{said} xmlns="http://www.w3.org/2000/svg" width="{width:.2f}pt" '
         f'height="{height:.2f}pt" viewBox="0 0 {width:.2f} {height:.2f}" font-family="{FONT_FAMILY}">'
         f'<rect width="100%" height="100%" fill="#fff"/>{body.replace("@clip", f"{prefix}-")}</svg>\n'
     )
@@ -75,7 +79,11 @@ def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: flo
         x = np.cumsum(left + np.append(0.0, right[:-1] + size[0]))
         y = np.cumsum(top + np.append(0.0, bottom[:-1] + size[1]))
         for place, drawing in zip(np.ndindex(shape), drawings, strict=True):
-            drawing.place(float(x[place[1]]), float(y[place[0]]), *size, final=final)
+            box = float(x[place[1]]), float(y[place[0]]), *size
+            if drawing.panel.place is not None:
+                left, bottom, across, up = drawing.panel.place
+                box = left * width, (1 - bottom - up) * height, across * width, up * height
+            drawing.place(*box, final=final)
             margins[place] = drawing.margins() + _EDGE
 
 
@@ -248,7 +256,7 @@ class _Drawing:
     def _text(self, mark: Text) -> None:
         x = self._in_frame(mark.x) if mark.frame else float(self.x(mark.x))
         y = self.bottom - mark.y * (self.bottom - self.top) if mark.frame == "xy" else float(self.y(mark.y))
-        look = {name: getattr(mark, name) for name in ("horizontal", "vertical", "colour", "tag")}
+        look = {name: getattr(mark, name) for name in ("horizontal", "vertical", "colour", "tag", "halo")}
         self._write(mark.text, x + mark.right, y - mark.up, self.size * mark.size / FONT_PT, **look)
 
     def _legend(self) -> None:

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import matplotlib as mpl
 from PIL import ImageFont
 
-from fingerpad.figures.style import BLACK
+from fingerpad.figures.style import BLACK, HALO_PT
 
 FONT_FAMILY: Final = "'DejaVu Sans', Verdana, sans-serif"
 LINE_HEIGHT: Final = 1.2
@@ -115,6 +115,7 @@ class TextBox(NamedTuple):
     vertical: str = "baseline"
     colour: str = BLACK
     tag: bool = False
+    halo: str = ""
     turned: bool = False  # to read upwards
 
     def baselines(self) -> list[float]:
@@ -141,6 +142,8 @@ class TextBox(NamedTuple):
         drawn = ""
         if self.turned:
             look += f' transform="rotate(-90 {self.x:.2f} {self.y:.2f})"'
+        if self.halo:
+            look += f' stroke="{self.halo}" stroke-width="{HALO_PT}" paint-order="stroke"'
         if self.tag:
             look += ' font-weight="bold" font-style="italic"'
             left, right, top, bottom = self.box()

@@ -4,15 +4,25 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
-from fingerpad.figures.marks import Axis, Line, Panel, Points, Rule, Text, arrow, synthetic_tag
+from fingerpad.figures.marks import (
+    Axis,
+    Figure,
+    Line,
+    Panel,
+    Points,
+    Rule,
+    Text,
+    arrow,
+    new_panels,
+    synthetic_tag,
+)
 from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.pad import POINT_COLOURS, plot_pad
 from fingerpad.figures.results import plot_corrected_radius
-from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION, new_figure
+from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.published.dzidek2017 import dzidek2017
 
@@ -114,18 +124,18 @@ def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
         (1, (), "The ellipsoid of Table 1 (ellipse approach) and its axes."),
         (4, tuple(POINT_COLOURS), "The places u = 0°, 30°, 45°, 60° and 90° on the pad."),
     ):
-        figure, (axes,) = new_figure(height_mm=80)
+        figure, (axes,) = new_panels(height_mm=80)
         plot_pad(axes, pad, u_deg=u_deg)
         yield f"dzidek2017_figure_{number}", figure, caption
     for angle, wedge in article.wedges.items():
         theta, radius = np.radians(angle), wedge.mean_curvature_radius_mm.value
         k = wedge.semi_minor_mm.value / wedge.semi_major_mm.value
-        figure, (left, right) = new_figure(width_mm=170, height_mm=95, columns=2)
+        figure, (left, right) = new_panels(width_mm=170, height_mm=95, columns=2)
         plot_wedge(left, pad, wedge_angle=theta)
         plot_wedge_in_pad_axes(right, pad, wedge_angle=theta)
         caption = f"The finger on its wedge of {angle}°, and in its own axes."
         yield f"dzidek2017_figure_5_{angle}deg", figure, caption
-        figure, (axes,) = new_figure()
+        figure, (axes,) = new_panels()
         plot_corrected_radius(
             axes,
             wedge.load_N,

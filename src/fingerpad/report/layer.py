@@ -11,8 +11,7 @@ from fingerpad.contact import ContactField, Tissue, solve_contact
 from fingerpad.contact.contact import from_reduced_modulus
 from fingerpad.contact.fast_laws import find_modulus, plate_gap
 from fingerpad.exceptions import ConvergenceError, GeometryError
-from fingerpad.figures.marks import Panel, new_panels, synthetic_tag
-from fingerpad.figures.mpl import draw
+from fingerpad.figures.marks import new_panels, synthetic_tag
 from fingerpad.flags import FLAGS
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name, placement_of, where
@@ -158,7 +157,7 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         points=_SECTION_POINTS,
         levels=_SECTION_LEVELS,
     )
-    draw(Panel(marks=[*synthetic_tag(summary.synthetic)]), figure.axes[0])
+    figure.panels[0].add(*synthetic_tag(summary.synthetic))
     at = where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
     yield Plot(
         name=f"{group_name(summary.key)}_section",

@@ -3,16 +3,13 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec
+from typing import Any, Concatenate, Final, ParamSpec
 
 from markupsafe import Markup
 
 from fingerpad.figures import save_figure
 from fingerpad.figures.marks import Figure, Panel, new_panels
 from fingerpad.units import MM_PER_INCH
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawn
 
 Arguments = ParamSpec("Arguments")
 _PX_PER_INCH: Final = 140  # how large a page shows figures that stand alone
@@ -23,7 +20,7 @@ class Plot:
     """A drawn figure."""
 
     name: str
-    figure: "Figure | Drawn"
+    figure: Figure
     caption: str
 
 
@@ -45,10 +42,9 @@ def save_plots(
     """
     shown = []
     for plot in plots:
-        figure = plot.figure
-        file, *_ = save_figure(figure, folder / plot.name, description=plot.caption)
-        width_mm = figure.width_mm if isinstance(figure, Figure) else MM_PER_INCH * figure.get_figwidth()
-        width_px = round(_PX_PER_INCH * width_mm / MM_PER_INCH)
+        save_figure(plot.figure, folder / f"{plot.name}.json")
+        file = save_figure(plot.figure, folder / f"{plot.name}.svg", description=plot.caption)
+        width_px = round(_PX_PER_INCH * plot.figure.width_mm / MM_PER_INCH)
         shown.append({"file": file, "caption": plot.caption, "width_px": width_px})
         on_drawn(plot.name.replace("_", " "))
     return shown

@@ -92,12 +92,11 @@ def _zipped(opened: StudySession) -> Response:
 
 
 class FigureEntry(Answer):
-    """A figure of the report, and the addresses of its files."""
+    """A figure of the report, and the address of its drawing."""
 
     name: str
     caption: str
     svg: str
-    png: str | None
     settable: bool
 
 
@@ -164,7 +163,6 @@ def figures(opened: Opened) -> list[FigureEntry]:
             name=Path(stem).name,
             caption=unescape(caption[1]) if caption else Path(stem).name,
             svg=opened.address(f"/download/{drawing}"),
-            png=opened.address(f"/download/{stem}.png") if f"{stem}.png" in files else None,
             settable=f"{stem}.json" in files,
         )
 

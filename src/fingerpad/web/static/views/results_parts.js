@@ -39,16 +39,12 @@ export async function showFigures(root) {
 
 /** @param {Answers["FigureEntry"]} figure */
 function figureCard(figure) {
-  const { name, caption, svg, png } = figure;
+  const { name, caption, svg } = figure;
   const words = caption || name.replaceAll("_", " ");
-  const save = (address, kind) =>
-    h("a.button", { href: `${address}?attachment=1`, "aria-label": `${kind} of ${name}` }, kind);
+  const save = h("a.button", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG");
   return h("figure.card", [
     h("img", { src: svg, alt: words, loading: "lazy" }),
-    h("figcaption", [
-      h("p", words),
-      h("div.actions", [save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")]),
-    ]),
+    h("figcaption", [h("p", words), h("div.actions", [save, figureButton(figure, "")])]),
   ]);
 }
 
