@@ -6,6 +6,7 @@ import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
 import { showError } from "./core/messages.js";
 import { drawSidebar } from "./core/sidebar.js";
 import { workspace } from "./core/workspace.js";
+import { prepareCharts } from "./parts/chart.js";
 import { Contacts } from "./views/contacts.js";
 import { PadView } from "./views/pad.js";
 import { Photographs } from "./views/photographs.js";
@@ -94,6 +95,8 @@ workspace.on("study", (detail) => {
     open.update?.();
     drawSidebar(openName, STEPS);
   }
+  // While another view is looked at.
+  if (workspace.study?.results.there) (window.requestIdleCallback ?? setTimeout)(prepareCharts);
 });
 for (const kind of ["run", "theme"]) workspace.on(kind, () => drawSidebar(openName, STEPS));
 workspace.on("link", ({ problem }) => {

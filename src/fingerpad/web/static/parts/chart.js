@@ -1,4 +1,4 @@
-// Charts by Plotly in the colours of the theme; its script is loaded with the first chart.
+// Charts by Plotly in the colours of the theme. Its script takes longer to start than all charts to draw.
 
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
@@ -15,6 +15,9 @@ function load() {
   });
   return loading;
 }
+
+/** Load the script before a chart is drawn, which says so if it cannot be. */
+export const prepareCharts = () => load().catch(() => {});
 
 /** A colour of the current theme. */
 export function colour(name) {

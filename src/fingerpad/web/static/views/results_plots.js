@@ -4,7 +4,7 @@ import { contactAddress, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
-import { chart, colour, forget } from "../parts/chart.js";
+import { chart, colour, forget, prepareCharts } from "../parts/chart.js";
 import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupCard, verdictChip } from "../parts/results.js";
@@ -58,6 +58,7 @@ export class Plots {
   }
 
   async load() {
+    prepareCharts(); // meanwhile
     [this.groups, this.figures] = await Promise.all([get("/results/plot"), get("/results/figures")]);
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
