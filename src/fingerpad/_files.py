@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
+from unicodedata import normalize
 
 from fingerpad.exceptions import FingerpadError, ManifestError
 
@@ -49,6 +50,11 @@ def file_stem(name: str) -> str:
     return (
         f"{encoded[: _LONGEST_STEM - 20].decode(errors='ignore')}-{hashlib.sha256(encoded).hexdigest()[:16]}"
     )
+
+
+def folded(name: str) -> str:
+    """Return what names have in common that are one on a system without case or accents of two kinds."""
+    return normalize("NFC", normalize("NFC", name).casefold())
 
 
 def sha256_of(path: Path) -> str:

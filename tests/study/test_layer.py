@@ -186,7 +186,7 @@ def on_layer(result: StudyResult, thickness: float | None, std: float | None = N
 
 def test_a_curve_gives_the_modulus_that_made_it(pressed):
     result, folder = pressed
-    found, of_no_file = result.curves_on_layer()
+    found, of_no_file = (curve_on_layer(result.study, result.fingers["f"], one) for one in result.curves)
     assert of_no_file is None
     hertz, layered, radius = found.quantities.values()
     assert layered.value == pytest.approx(50, rel=0.03)

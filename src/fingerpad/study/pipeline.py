@@ -251,7 +251,7 @@ def _write_results(
 
 def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     """Yield what is odd about people's corrections: of other pictures than are there now, or of none."""
-    context = measured.context
+    context = measured.items.context
     frames = corrected_frames(measured.sequences, context)
 
     def digest(item: str) -> str:

@@ -8,7 +8,6 @@ import sqlite3
 import stat
 import struct
 import time
-import unicodedata
 import zipfile
 import zlib
 from collections.abc import Iterable
@@ -20,6 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import Final, Self
 from uuid import uuid4
 
+from fingerpad._files import folded
 from fingerpad.exceptions import ArchiveError
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
@@ -86,13 +86,13 @@ class Bundle:
 
     def _leave_unportable(self) -> None:
         """Leave out what a system without case, or with names of its own, could not unpack."""
-        taken = {_folded(LEFT_OUT_NAME): ""}
+        taken = {folded(LEFT_OUT_NAME): ""}
         for name in [*self.files, *dict.fromkeys(self.folders)]:
             bare = name.rstrip("/")
             ways = accumulate(bare.split("/"), "{}/{}".format)
             if not is_portable(bare):
                 self._leave(name, f"a name that not every system can have: rename it without {_NOWHERE}")
-            elif any(taken.setdefault(_folded(way), way) != way for way in ways):
+            elif any(taken.setdefault(folded(way), way) != way for way in ways):
                 self._leave(name, "another differs from it by case or accents only: rename one")
         left = {one.file for one in self.left_out}
         self.files = {name: path for name, path in self.files.items() if name not in left}
@@ -169,11 +169,6 @@ def is_portable(name: str) -> bool:
         and not _DEVICE.fullmatch(part)
         for part in name.split("/")
     )
-
-
-def _folded(name: str) -> str:
-    """Return what names have in common that are one on a system without case or accents of two kinds."""
-    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
 MOST_FILES: Final = 1_000_000

@@ -68,12 +68,20 @@ def frame_corrections(
     frames = frames_of(active_corrections, sequence)
     found = dict(frames)
     for first, last in _key_frame_pairs(frames):
+        one, other = (_ellipse(frames[frame]) for frame in (first, last))
         between = range(first + 1, last)
         if within is not None:
             between = range(max(between.start, within.start), min(between.stop, within.stop))
         for frame in between:
             if frame not in frames:
-                found[frame] = _carried(frames, first, last, sequence, frame)
+                found[frame] = replace(
+                    frames[first],
+                    item=f"{sequence}#{frame}",
+                    change=_between(one, other, (frame - first) / (last - first)),
+                    picture="",
+                    pooling_who="",
+                    pooling_when="",
+                )
     return found
 
 
@@ -90,20 +98,6 @@ def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: st
 
 def _key_frame_pairs(frames: Mapping[int, ActiveCorrection]) -> list[tuple[int, int]]:
     return list(pairwise(sorted(frame for frame, one in frames.items() if _is_key(one))))
-
-
-def _carried(
-    frames: Mapping[int, ActiveCorrection], first: int, last: int, sequence: str, frame: int
-) -> ActiveCorrection:
-    """Return what two key frames say of a frame between them."""
-    return replace(
-        frames[first],
-        item=f"{sequence}#{frame}",
-        change=_between(_ellipse(frames[first]), _ellipse(frames[last]), (frame - first) / (last - first)),
-        picture="",
-        pooling_who="",
-        pooling_when="",
-    )
 
 
 def _is_key(one: ActiveCorrection) -> bool:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import tomlkit
-from pydantic import TypeAdapter, ValidationError
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
@@ -22,6 +21,7 @@ from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, locked, read_text_or_none, replace_files
 from fingerpad.study.manifest.load import (
     LISTS,
+    NAME,
     SECTIONS,
     STUDY_NAME,
     TABLES,
@@ -32,7 +32,8 @@ from fingerpad.study.manifest.load import (
     is_as_read,
     load_study,
 )
-from fingerpad.study.manifest.models import SCALE_KINDS, Name
+from fingerpad.study.manifest.messages import checked
+from fingerpad.study.manifest.models import SCALE_KINDS
 from fingerpad.study.manifest.sheet import Sheet
 
 
@@ -225,9 +226,6 @@ def title_of(folder: Path) -> str | None:
     return title if isinstance(title, str) else None
 
 
-_NAME: Final = TypeAdapter(Name)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edit:
     """One change of the manifest."""
@@ -251,12 +249,10 @@ def tables_of(edits: Iterable[Edit]) -> set[str] | None:
 
 def _require_name(kind: Kind, name: str) -> None:
     """Refuse a name that no study may have, before anything refers to it."""
-    try:
-        _NAME.validate_python(name)
-    except ValidationError:
+    if checked(NAME, name, strict=False)[1]:
         raise ManifestError(
             f"{kind} {name!r}: write the name with letters, digits and . _ + - only, as in left_index"
-        ) from None
+        )
 
 
 def _set_top(files: StudyFiles, edit: Edit) -> None:

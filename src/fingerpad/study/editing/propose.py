@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from typing import Any, Final, cast, get_args
@@ -185,28 +185,21 @@ def with_scales(guess: Guess, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
     A scale is proposed where the study has only one, or the file of a contact image states a resolution: that
     of a scanner, so that it is proposed for no photograph.
     """
-    ppi = guess.dots_per_inch
+    ppi, found = guess.dots_per_inch, dict[Use, GuessedScale]()
     stated = "" if ppi is None else f"{round(ppi, 1):g} ppi"
-    return replace(guess, scales=dict(_guessed_scales(ppi, scales)), stated=stated)
-
-
-def _guessed_scales(
-    ppi: float | None, scales: Mapping[str, Mapping[str, Any]]
-) -> Iterator[tuple[Use, GuessedScale]]:
     if len(scales) == 1:
         ((name, table),) = scales.items()
         only = GuessedScale(name, f"scale {name}, the only one of the study")
-        yield "observation", only
-        yield "sequence", only
+        found = {"observation": only, "sequence": only}
         if table.keys().isdisjoint({"ppi", "mm_per_px"}):
-            yield "photograph", only
+            found["photograph"] = only
     elif ppi is not None and ppi > _SCREEN_PPI:
         same = [name for name, table in scales.items() if abs(_ppi(table) - ppi) < _SAME_PPI]
+        scale, why = stated, f"{stated} as its file says"
         if same:
-            yield "observation", GuessedScale(same[0], f"scale {same[0]}, with the resolution in its file")
-        else:
-            written = f"{round(ppi, 1):g} ppi"
-            yield "observation", GuessedScale(written, f"{written} as its file says")
+            scale, why = same[0], f"scale {same[0]}, with the resolution in its file"
+        found = {"observation": GuessedScale(scale, why)}
+    return replace(guess, scales=found, stated=stated)
 
 
 def _ppi(table: Mapping[str, Any]) -> float:

@@ -101,7 +101,10 @@ def cluster_executor(
     except ModuleNotFoundError:
         raise ClusterError("--scheduler needs Dask: pip install 'fingerpad[cluster]'") from None
     with ExitStack() as stack:
-        stack.enter_context(_quiet())
+        # Dask would print tracebacks of what is said here in words.
+        logger = logging.getLogger("distributed")
+        stack.callback(logger.setLevel, logger.level)
+        logger.setLevel(logging.CRITICAL + 1)
         if scheduler == "local":
             start: Any = distributed.LocalCluster
             started = start(
@@ -135,18 +138,6 @@ def cluster_executor(
         manifest = manifest.absolute()
         _require_fit(client, manifest)
         yield ClusterExecutor(client, manifest, limits)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep Dask from printing tracebacks of what is said here in words."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        logger.setLevel(before)
 
 
 def when_done(remote: Any, act: Callable[[Any], None]) -> None:

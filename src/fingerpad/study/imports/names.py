@@ -48,7 +48,6 @@ HAND_WORDS, DIGITS, INITIALS = words_of("hand"), words_of("digit"), words_of("in
 FACES: Final[tuple[Face, ...]] = get_args(Face)
 _FACE_WORDS: Final[Mapping[str, str]] = words_of("face")
 _ROLE_WORDS: Final[Mapping[str, str]] = words_of("role")
-_TYPES: Final = "contact, photograph, sequence, curve, outline, coin"
 _OF_SCALE: Final = words_of("scale").keys()
 # Factor that turns a value in the unit into the library's.
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
@@ -124,7 +123,8 @@ def read_value(values: FileValues, field: Field, text: str, unit: str | None = N
             meanings = _FACE_WORDS if field == "face" else _ROLE_WORDS
             word = next((word for word in words if word in meanings), None)
             if word is None:
-                known = f"face: {', '.join(FACES)}" if field == "face" else f"type: {_TYPES}"
+                types = "contact, photograph, sequence, curve, outline, coin"
+                known = f"face: {', '.join(FACES)}" if field == "face" else f"type: {types}"
                 raise ValueError(f"{text!r} is no {known}")
             found[field] = meanings[word]
         case _:

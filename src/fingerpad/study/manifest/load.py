@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias, TypeVar
-from unicodedata import normalize
 
 from pydantic import BaseModel, TypeAdapter
 
 from fingerpad._display import Displayed
-from fingerpad._files import digest_of
+from fingerpad._files import digest_of, folded
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
 from fingerpad.study.manifest.messages import Fault, checked, key_path
@@ -71,7 +70,7 @@ Kind: TypeAlias = Literal[
     "study", "uncertainty", "apparatus", "scale", "finger", "photograph", "observation", "sequence", "curve"
 ]
 
-_NAME: Final = TypeAdapter(Name)
+NAME: Final = TypeAdapter(Name)
 # Tables that a study has once.
 SECTIONS: Final[Mapping[Kind, type[ManifestModel]]] = {"uncertainty": Uncertainty, "apparatus": Apparatus}
 MODELS: Final[Mapping[Kind, TypeAdapter[Any]]] = {
@@ -178,25 +177,20 @@ class TableChecks:
         names = self._names["observation" if table.kind == "sequence" else table.kind]
         place = "" if table.kind == "scale" else "name"
         if table.kind == "scale":
-            yield from checked(_NAME, table.key, strict=True)[1]
-        if _folded(table.key) in names:
+            yield from checked(NAME, table.key, strict=True)[1]
+        if folded(table.key) in names:
             yield Fault(place, f"{table.key!r} is taken; names must differ by more than case")
-        names.setdefault(_folded(table.key), table.key)
+        names.setdefault(folded(table.key), table.key)
 
     def _reference_faults(self, model: ManifestModel) -> Iterator[Fault]:
         """Yield which finger and which scales are not there."""
         for place, kind, name in _references(model):
             names = self._names[kind]
-            if names.get(_folded(name)) != name:
+            if names.get(folded(name)) != name:
                 known = f"; there is {', '.join(names.values())}" if names else ""
                 if kind == "scale" and not names:
                     known = f"; write a table [scales.{name}]"
                 yield Fault(place, f"no {kind} is named {name!r}{known}")
-
-
-def _folded(name: str) -> str:
-    """Return a name without its case and its way to write accents: names of files must differ by more."""
-    return normalize("NFC", name).casefold()
 
 
 def _references(model: ManifestModel) -> Iterator[tuple[str, Kind, str]]:

@@ -682,11 +682,8 @@ class Study(ManifestModel):
         }
         return [words for key, words in stds.items() if key not in common.model_fields_set]
 
-    def taken_as_exact(self) -> list[str]:
+    def taken_as_exact(self) -> Iterator[str]:
         """Name what results take as exact, since the manifest gives no uncertainty of it."""
-        return list(self._exact())
-
-    def _exact(self) -> Iterator[str]:
         common = self.uncertainty
         stds = {
             "the wedge angle": common.wedge_deg_std,

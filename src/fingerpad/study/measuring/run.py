@@ -129,11 +129,6 @@ class Measured:
     contacts: Iterable[tuple[Contact, Measurement]]
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
-    @property
-    def context(self) -> RunContext:
-        """What the run knows, all scales included."""
-        return self.items.context
-
 
 def measure_study(
     context: RunContext, store: Store, executor: Executor, on_progress: Callable[[Progress], None]

@@ -226,7 +226,7 @@ def frames_beyond(
 class OpenedSequence:
     """A sequence that is to be measured."""
 
-    sequence_images: SequenceImages
+    images: SequenceImages
     active: Mapping[int, ActiveCorrection]  # by frame, those between key frames included
     context: RunContext
     frames: Frames
@@ -251,7 +251,7 @@ class OpenedSequence:
         with columns_named_by(partial(columns_in_toml, "force_columns")):
             force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
-            sequence_images=SequenceImages(
+            images=SequenceImages(
                 sequence=sequence,
                 found=found,
                 corrections={
@@ -268,7 +268,7 @@ class OpenedSequence:
     @property
     def sequence(self) -> ContactSequence:
         """What the manifest says of it."""
-        return self.sequence_images.sequence
+        return self.images.sequence
 
     @property
     def phases(self) -> ManualPhases | None:
@@ -284,7 +284,7 @@ class OpenedSequence:
 
     def stages(self, key: str) -> Iterator[list[Task]]:
         """Yield the tasks of each stage, which needs the results of the one before in the store."""
-        images = self.sequence_images
+        images = self.images
         yield [self._task("survey", partial(images.scan, piece), piece) for piece in self.pieces]
         surveyed = TextureScan.joined(
             from_record(TextureScan, self._stored("survey", piece)["scan"]) for piece in self.pieces
@@ -351,11 +351,7 @@ class OpenedSequence:
     def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
         pictures = self.context.key(self.sequence, leave_out=TIMING)
         start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
-        edits = {
-            index: one.edits
-            for index, one in self.sequence_images.corrections.items()
-            if start <= index < stop
-        }
+        edits = {index: one.edits for index, one in self.images.corrections.items() if start <= index < stop}
         return cache_key(pictures, stage, piece, self.frames.count, edits)
 
     def measurements(self, flags: tuple[str, ...]) -> Iterator[Measurement]:

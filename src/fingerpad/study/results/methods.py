@@ -110,7 +110,7 @@ def _template_values(result: StudyResult) -> dict[str, Any]:
         "thicknesses": [f"{value_with_uncertainty(t, std)} mm ({name})" for name, t, std in stated],
         "fitted": sum(curve.fit is not None for curve in result.curves),
         "assumed": study.assumed(),
-        "exact": study.taken_as_exact(),
+        "exact": list(study.taken_as_exact()),
         "versions": [f"{name} {of}" for name, of in result.provenance["measurement_versions"].items()],
     }
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from json.encoder import encode_basestring
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,12 +15,12 @@ from fingerpad._csv import csv_cell, write_csv
 from fingerpad._files import explain_write_errors
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
-from fingerpad.image import PadSemiAxes
+from fingerpad.image import SEMI_AXES, PadSemiAxes
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
-from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
+from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, unit_of
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
 from fingerpad.study.results.repeats import StudyScatter
@@ -30,6 +30,7 @@ from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
     FAILS,
     MODULUS,
+    QUANTITIES_COMPARED,
     RADIUS,
     STRAINED,
 )
@@ -134,10 +135,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
             )
             for name, scale in result.scales.items()
         },
-        curves=[
-            _curve(curve, layered)
-            for curve, layered in zip(result.curves, result.curves_on_layer(), strict=True)
-        ],
+        curves=[_curve(result, curve) for curve in result.curves],
         failures=result.failures,
         methods=methods_section(result),
         provenance=summary_file.ProvenanceRecord.model_validate(result.provenance),
@@ -153,15 +151,12 @@ def _placements(result: StudyResult) -> list[summary_file.PlacementRecord]:
 
 def _finger(finger: FingerResult) -> summary_file.FingerRecord:
     outlines = finger.outlines
-    palmar, distal, radial_ulnar = finger.semi_axes.tolist()
     return summary_file.FingerRecord.of(
         finger,
         outlines,
         finger=finger.name,
         **({"digit": finger.digit} if finger.digit else {}),
-        palmar_mm=palmar,
-        distal_mm=distal,
-        radial_ulnar_mm=radial_ulnar,
+        **{f"{axis}_mm": of for axis, of in zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True)},
         covariance_mm2=finger.covariance.tolist(),
         between_faces_relative_std=outlines and outlines.between_relative_std,
         faces=outlines and _faces(outlines),
@@ -195,16 +190,13 @@ def _placement(
     validity: summary_file.ValidityRecord,
     loading: LoadingRadius | None,
 ) -> summary_file.PlacementRecord:
-    first, framed = summary.first, summary.column("frame").notna()
+    framed = summary.column("frame").notna()
     radius = validity.headlines[RADIUS]
     return summary_file.PlacementRecord.of(
         summary,
+        summary.first,  # of the undeformed pad, the same in all rows
         count=int((~framed).sum()),
         frames=int(framed.sum()),
-        mean_curvature_radius_mm=first["mean_curvature_radius_mm"],
-        mean_curvature_radius_mm_std=first["mean_curvature_radius_mm_std"],
-        geometric_mean_radius_mm=first["geometric_mean_radius_mm"],
-        geometric_mean_radius_mm_std=first["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
         on_layer=summary.layer and _on_layer(summary.layer),
@@ -359,8 +351,8 @@ def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 
 
-def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> summary_file.CurveRecord:
-    on_layer = None
+def _curve(result: StudyResult, curve: CurveResult) -> summary_file.CurveRecord:
+    layered, on_layer = curve_on_layer(result.study, result.fingers[curve.manifest.finger], curve), None
     if layered is not None:
         quantities = _on_layer_quantities(layered.quantities)
         on_layer = summary_file.CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
@@ -371,18 +363,6 @@ def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> summary_file.Cur
         layer=curve.layer and curve.layer.as_record(),
         on_layer=on_layer,
     )
-
-
-# What a check compares, by the first word of its name.
-_COMPARED: Final = {
-    "radius": "radius",
-    "loading": "radius",
-    "modulus": "modulus",
-    "youngs": "modulus",
-    "indentation": "indentation",
-    "shape": "shape",
-    "area": "modulus over loads",
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -494,7 +474,7 @@ def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
     if worst.check == AREA_FALLS:
         return f"area falls {worst.note}"
     difference = f"{100 * worst.relative_difference:+.0f} %".replace("-", "−")
-    return f"{_COMPARED[worst.check.split('_')[0]]} {difference}"
+    return f"{QUANTITIES_COMPARED[worst.check]} {difference}"
 
 
 def answers_of(result: StudyResult) -> list[Answer]:

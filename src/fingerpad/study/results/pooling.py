@@ -401,12 +401,8 @@ def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
     if len(pooled):  # of the contacts in the range of the layer's laws, if any is
         highest = rows.highest_on_layer.get(key) or rows.highest_load[key]
         layer = LayerSummary.of(rows, pooled, estimate, highest)
-    finger, wedge, roll, synthetic = key
     return Summary(
-        finger=finger,
-        wedge_angle_deg=wedge,
-        roll_angle_deg=roll,
-        synthetic=synthetic,
+        **dict(zip(PLACEMENT, key, strict=True)),
         table=table,
         places=by_load.index.to_numpy(),
         corrected_radius=corrected,

@@ -309,7 +309,6 @@ def _at_load(
     validity: ValidityRecord | None,
     between: Mapping[tuple[str, bool], ScatterComponent],
 ) -> AtLoadRecord:
-    finger, wedge, roll, synthetic = key
     count = len(set(items(rows["session"])))
 
     def mean(
@@ -320,8 +319,8 @@ def _at_load(
         total: FloatArray,
         *,
         model: float = math.nan,
-    ) -> dict[str, float]:
-        found = between.get((quantity, synthetic))
+    ) -> dict[str, Any]:
+        found = between.get((quantity, key[-1]))
         freedom = float(repeatability.freedom) if repeatability.known else math.inf
         sessions = count, found if found is not None and found.known else None
         return _mean(values, parts, total, freedom, sessions, name=name, model=model)
@@ -342,10 +341,7 @@ def _at_load(
     in_range = np.isfinite(variances).all(axis=-1)
     layered, variances = layered[in_range], variances[in_range]
     return AtLoadRecord(
-        finger=finger,
-        wedge_angle_deg=wedge,
-        roll_angle_deg=roll,
-        synthetic=synthetic,
+        **dict(zip(PLACEMENT, key, strict=True)),
         load_N=float(np.mean(rows["load_N"].to_numpy())),
         contacts=len(rows),
         sessions=count,

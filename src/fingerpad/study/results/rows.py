@@ -33,7 +33,6 @@ IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pa
 
 # Columns that a measurement has as they are.
 _MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
-_NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 _OF_THE_CONTACT: Final = np.isin(PART_SOURCES, [source for source in PAD_SOURCES if source not in GEOMETRY])
 # The model's derivatives at so many contacts take tens of megabytes.
 _AT_ONCE: Final = 500
@@ -164,7 +163,7 @@ class _Batch:
         modelled = Modelled.of(inputs, study.uncertainty)
         answered = modelled.answered
         for place in sound[~answered]:
-            reasons[place] = _NO_ANSWER
+            reasons[place] = "the model has no finite answer for these values; check their units"
         good, inputs, columns = sound[answered], inputs.at(answered), _described(fingers, seen, reasons)
         pads = [fingers[seen[place][0].finger] for place in good]
         layer, layer_parts = layer_columns(pads, inputs, study.uncertainty)

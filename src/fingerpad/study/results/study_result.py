@@ -24,7 +24,6 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.pooling import Summary, pool_contacts
 from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, model_contacts
@@ -171,22 +170,12 @@ class StudyResult(Displayed):
             rows = self.rows.iloc[places.get((sequence.manifest.name,), none)]
             yield rows[rows["frame"].notna()]
 
-    def curves_on_layer(self) -> list[CurveOnLayer | None]:
-        """Return each of `curves` on its finger's layer of tissue; None without a thickness."""
-        return [
-            curve_on_layer(self.study, self.fingers[curve.manifest.finger], curve) for curve in self.curves
-        ]
-
     def of_finger(self, name: str) -> "StudyResult":
         """Return what was found of one finger, as a study of its own, without the scatter over fingers."""
-        study = self.study.model_copy(
-            update={
-                "fingers": [finger for finger in self.study.fingers if finger.name == name],
-                "observations": [one for one in self.study.observations if one.finger == name],
-                "sequences": [one for one in self.study.sequences if one.finger == name],
-                "curves": [one for one in self.study.curves if one.finger == name],
-            }
-        )
+        listed = {key: getattr(self.study, key) for key in ("observations", "sequences", "curves")}
+        own_tables = {key: [one for one in of if one.finger == name] for key, of in listed.items()}
+        fingers = [finger for finger in self.study.fingers if finger.name == name]
+        study = self.study.model_copy(update={"fingers": fingers, **own_tables})
         scales = set(study.named_scales())
         study = study.model_copy(
             update={"scales": {key: scale for key, scale in study.scales.items() if key in scales}}
@@ -248,7 +237,7 @@ def result_of(
     on_check: Callable[[str], None],
 ) -> StudyResult:
     """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
-    study, folder = measured.context.study, measured.context.folder
+    study, folder = measured.items.context.study, measured.items.context.folder
     repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
     rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
     scatter = study_scatter(study, rows.table)
@@ -264,7 +253,7 @@ def result_of(
         fingers=measured.fingers,
         rows=table,
         sequences=measured.sequences,
-        scales={name: measured.context.scale(name) for name in study.scales},
+        scales={name: measured.items.context.scale(name) for name in study.scales},
         summaries=found,
         checks=_checks(
             [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check

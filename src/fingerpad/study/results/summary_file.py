@@ -79,7 +79,7 @@ class Record(BaseModel):
             attributes = (name, _UNIT.sub("", name))
             found = (getattr(of, each) for of in sources for each in attributes if hasattr(of, each))
             if key.is_required() and name not in given:
-                value = next(found, None if None in sources else _MISSING)
+                value = next(found, None if any(of is None for of in sources) else _MISSING)
                 given |= {} if value is _MISSING else {name: value}
         return cls.model_validate(given)
 

@@ -221,7 +221,7 @@ class _Known:
             name=opened.name,
             digest=self.loaded.digest,
             stated=sorted(study.uncertainty.model_fields_set),
-            taken_as_exact=study.taken_as_exact(),
+            taken_as_exact=list(study.taken_as_exact()),
             assumed=study.assumed(),
             doubts=list(study.doubts()),
             ready=not self.loaded.issues,

@@ -55,12 +55,9 @@ SAME_LOAD: Final = 0.9
 # prints of one finger did so by 4.6 %. A rendered contact has no press.
 PRESS_STD: Final = 0.046
 GROWTH: Final = "area_against_load"
-NO_CURVE: Final = "no loading data of this finger at this angle"
 NO_AREAS: Final = "the loading curves have no areas, so no radius"
 NOTHING_COUNTS: Final = "no contact counts"
-NO_SEMI_AXES: Final = "the finger has no semi-axes"
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
-_EFFECT_ON: Final = "E"
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
@@ -117,12 +114,12 @@ class FingerAtAngle(NamedTuple):
     @property
     def no_loading_radius(self) -> str:
         """Why there is no R_g from loading data."""
-        return NO_AREAS if self.fits else NO_CURVE
+        return NO_AREAS if self.fits else "no loading data of this finger at this angle"
 
     @property
     def nothing(self) -> str:
         """Why there is no contact with a radius."""
-        return NOTHING_COUNTS if self.pad.has_semi_axes else NO_SEMI_AXES
+        return NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
 
 
 class _Areas(NamedTuple):
@@ -171,7 +168,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
         (value, std),
         HERTZ_EXPONENT,
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
-        effect_on=_EFFECT_ON,
+        effect_on="E",
         degrees_of_freedom=freedom if scatters else math.inf,
         note=f"over {_range(seen.load[0], seen.load[-1])}; ± from the "
         + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
@@ -212,7 +209,7 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
         (ratio, ratio * float(std[worst])),
         (1.0, 0.0),
         relative_difference=math.expm1(change),
-        difference_of=_EFFECT_ON,
+        difference_of="E",
         relative_std=-_OF_MODULUS * float(std[worst]),
         deviations=deviations,
         p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
@@ -250,8 +247,6 @@ def _by_level(seen: _Areas) -> _Areas:
     )
 
 
-_NO_DIRECTION: Final = "the contact's direction is not known: only its aspect ratio is compared"
-_VALUES: Final = ("value", "reference", "difference")
 # Sizes of the contact, from small to its own, at which the error is known or not.
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
@@ -269,11 +264,9 @@ class Shape(NamedTuple):
         """Compare what was measured with a prediction, which is as uncertain as that of Hertz theory."""
         ratio = math.exp(self.measured if self.known else math.copysign(self.measured, predicted))
         expected = math.exp(predicted)
-        return check.of_ratio(
-            (ratio, ratio * self.std),
-            (expected, expected * self.predicted_std),
-            note="" if self.known else _NO_DIRECTION,
-        )
+        note = "" if self.known else "the contact's direction is not known: only its aspect ratio is compared"
+        value, reference = (ratio, ratio * self.std), (expected, expected * self.predicted_std)
+        return check.of_ratio(value, reference, note=note)
 
 
 def measured_shape(case: FingerAtAngle) -> Shape | None:
@@ -351,11 +344,13 @@ def _errors(
     ):
         found = checks[name].of_known_error(value, reference, size)
         # Values of a narrower contact under this load are none of this contact's.
-        yield found.with_fields(**dict.fromkeys(_VALUES, math.nan)) if flag else found
+        yield (
+            found.with_fields(**dict.fromkeys(("value", "reference", "difference"), math.nan))
+            if flag
+            else found
+        )
 
 
-_TAKEN_AS_EXACT: Final = "R_g has no stated uncertainty and is taken as exact"
-_SAME_COMPARISON: Final = "from area and R_g, so the same comparison as that of the radius"
 # Loads at which a curve is compared, relative to its highest.
 _SMALLEST_LOAD, _LARGEST_LOAD = 0.1, 1.05
 _LAW_POINTS: Final = 400
@@ -369,7 +364,7 @@ def _without(std: float, part: float) -> float:
 def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
     """Return R_g with its standard uncertainty without that of a misfit, and a note."""
     if math.isnan(loading.std):
-        return (loading.value, 0.0), _TAKEN_AS_EXACT
+        return (loading.value, 0.0), "R_g has no stated uncertainty and is taken as exact"
     return (loading.value, _without(loading.std, loading.misfit_std)), ""
 
 
@@ -418,7 +413,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
             (value, std),
             (reference, reference * math.hypot(of_area, other)),
             log_std=math.hypot(relative, other),
-            note=f"at {row['load_N']:.3g} N, {_SAME_COMPARISON}",
+            note=f"at {row['load_N']:.3g} N, from area and R_g, so the same comparison as that of the radius",
         )
 
 
@@ -441,31 +436,24 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     )
     given = case.study.uncertainty
     load_std, gain_std = given.load_relative_std, given.load_gain_relative_std
-    reference = _at_load(case.fits, common, factor * float(of_ellipse.mean()), gain_std)
+    of_modulus, (log_xi, xi_std) = _at_load(case.fits, common, factor * float(of_ellipse.mean()), gain_std)
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
     )
     # The gain of the force is the same in both moduli, and in the load at which the curve is read.
     modulus_std = _without(modulus_std, gain_std * modulus)
     indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
+    # The curve's ξ is read at the contact's load, which is uncertain.
+    of_indentation = log_xi, math.hypot(xi_std, load_std * 2 / 3)
     for name, value, (log_reference, log_std) in (
-        (MODULUS, (factor * modulus, factor * modulus_std), reference.modulus),
-        # The curve's ξ is read at the contact's load, which is uncertain.
-        (
-            INDENTATION,
-            indentation,
-            (reference.indentation[0], math.hypot(reference.indentation[1], load_std * 2 / 3)),
-        ),
+        (MODULUS, (factor * modulus, factor * modulus_std), of_modulus),
+        (INDENTATION, indentation, of_indentation),
     ):
         if math.isnan(log_reference):
             yield CHECKS[ROUTES[name]].untested(f"{NO_AREAS}, which E needs")
             continue
         other = math.exp(log_reference)
-        yield CHECKS[ROUTES[name]].of_ratio(
-            value,
-            (other, other * log_std),
-            note=f"at {common:.3g} N",
-        )
+        yield CHECKS[ROUTES[name]].of_ratio(value, (other, other * log_std), note=f"at {common:.3g} N")
 
 
 def _one_of_each(rows: pd.DataFrame) -> pd.DataFrame:
@@ -483,15 +471,10 @@ def _mean_of_repeats(rows: pd.DataFrame, column: str, own: FloatArray) -> tuple[
     return math.exp(pooled.value), math.exp(pooled.value) * pooled.total_std
 
 
-class _Reference(NamedTuple):
-    """Logarithms of ξ (mm) and E (kPa) of the loading curves, each with its standard uncertainty."""
-
-    indentation: tuple[float, float]
-    modulus: tuple[float, float]
-
-
-def _at_load(fits: Sequence[LoadingFit], load: float, factor: float, gain_std: float) -> _Reference:
-    """Return ξ and E of some loading curves at a load, without the uncertainty of the force's gain.
+def _at_load(
+    fits: Sequence[LoadingFit], load: float, factor: float, gain_std: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return ln E (kPa) and ln ξ (mm) of some loading curves, without the uncertainty of the force's gain.
 
     How far curves differ is part of their uncertainty.
     """
@@ -510,9 +493,9 @@ def _at_load(fits: Sequence[LoadingFit], load: float, factor: float, gain_std: f
             common_std = math.hypot(fit.misfit_std["reduced_modulus"], gain_std * top.value)
             at_top = _without(top.std, common_std) / top.value
             modulus = math.log(e), math.hypot(at_top, more)
-        found.append((math.log(xi), place_std / xi, *modulus))
-    xi_values, xi_stds, moduli, modulus_stds = np.transpose(found)
-    return _Reference(of_curves(xi_values, xi_stds), of_curves(moduli, modulus_stds))
+        found.append((*modulus, math.log(xi), place_std / xi))
+    moduli, modulus_stds, xi_values, xi_stds = np.transpose(found)
+    return of_curves(moduli, modulus_stds), of_curves(xi_values, xi_stds)
 
 
 def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
@@ -605,10 +588,6 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     return shape.against(predicted, CHECKS["shape_on_layer"])
 
 
-_NOT_ESTIMATED = "not estimated: no loading data to compare with"
-Discrepancies = Mapping[str, ModelDiscrepancy | None]
-
-
 def validity_of(
     study: Study,
     fingers: Mapping[str, FingerResult],
@@ -669,7 +648,7 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 def _validity(
     case: FingerAtAngle,
     checks: Sequence[ValidityCheck],
-    routes: Discrepancies,
+    routes: Mapping[str, ModelDiscrepancy | None],
     of_layer: Sequence[ValidityCheck],
 ) -> ValidityRecord:
     """Return the checks of a place with the headlines that they concern."""
@@ -691,7 +670,7 @@ def _validity(
             model_std=value * relative,
             total_std=math.hypot(std, value * relative) if parts else std,
             model_relative_std=relative,
-            model_from=" and ".join(words) or _NOT_ESTIMATED,
+            model_from=" and ".join(words) or "not estimated: no loading data to compare with",
             verdict=overall_verdict(one.verdict for one in checks if name in one.headlines),
         )
     worst = overall_verdict(one.verdict for one in checks)

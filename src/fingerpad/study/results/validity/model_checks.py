@@ -211,10 +211,12 @@ ROUTES: Final = {
     MODULUS: "modulus_against_curve",
     INDENTATION: "indentation_against_curve",
 }
-# All checks, without what comes of them.
+_TABLE: Final = package_table("fingerpad.study.results.validity", "checks.csv")
+# All checks, without what comes of them, and what each compares, in short.
 CHECKS: Final = {
     line["check"]: ValidityCheck.model_validate({**line, "headlines": line["headlines"].split()})
-    for line in package_table("fingerpad.study.results.validity", "checks.csv")
+    for line in _TABLE
 }
+QUANTITIES_COMPARED: Final = {line["check"]: line["quantity"] for line in _TABLE}
 
 AREA_FALLS: Final = "area_falls"
