@@ -64,15 +64,15 @@ def test_hostile_workbooks(tmp_path):
         ("load (kgf)", "2", {"load_N": 19.6133}),
         ("load_N_std", "0.1", {}),
         ("wedge_angle_deg", "30°", {"wedge_angle_deg": 30.0}),
-        ("scale (px/mm)", "20", {"mm_per_px": 0.05}),
-        ("um per px", "50", {"mm_per_px": 0.05}),
-        ("PPI", "500", {"ppi": 500.0}),
+        ("scale (px/mm)", "20", {"scale": "0.05 mm/px"}),
+        ("um per px", "50", {"scale": "0.05 mm/px"}),
+        ("PPI", "500", {"scale": "500 ppi"}),
         ("scale", "reader", {"scale": "reader"}),
         ("Participant ID", "S 07", {"person": "S_07"}),
         ("digit", "right ring", {"finger": "right_ring"}),
         ("Face", "Palmar view", {"face": "palmar"}),
-        ("type", "ulnar photo", {"role": "photograph", "face": "ulnar"}),
-        ("Type", "coin", {"role": ""}),
+        ("type", "ulnar photo", {"use": "photograph", "face": "ulnar"}),
+        ("Type", "coin", {"use": ""}),
         ("visit", "2", {"session": "2"}),
         ("temperature", "20", {}),
     ],
@@ -213,7 +213,7 @@ def test_what_a_name_says(key, values):
 )
 def test_role(name, kind, role, face):
     found = read_file_name(f"folder_2N/{name}", kind)
-    assert (found.get("role"), found.get("face"), "load_N" not in found) == (role, face, "2N" not in name)
+    assert (found.get("use"), found.get("face"), "load_N" not in found) == (role, face, "2N" not in name)
 
 
 # What new files are, by content and name: a small seeded table of confusion

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from typing import Any, Final, cast, get_args
 
-from typing_extensions import TypedDict  # for pydantic, before Python 3.12
-
 from fingerpad._csv import package_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
@@ -22,6 +20,7 @@ from fingerpad.study.imports.names import (
     plain_name,
     read_file_name,
     scale_in,
+    scale_words,
 )
 from fingerpad.study.manifest.load import Kind, LoadedStudy
 from fingerpad.study.manifest.models import ScaleTable
@@ -67,28 +66,6 @@ COINS, CARD = (
     )
     for what in ("coin", "card")
 )
-_SUMMARIES: Final = {
-    "line": ("length_mm", "line of {} mm"),
-    "coin": ("diameter_mm", "coin of {} mm"),
-    "circle": ("diameter_mm", "circle of {} mm"),
-    "grid": ("spacing_mm", "grid of {} mm"),
-    "ppi": ("ppi", "{} ppi"),
-    "mm_per_px": ("mm_per_px", "{} mm/px"),
-}
-
-
-def scale_words(scale: object) -> str:
-    """Return a scale of a manifest in words: its name, or how it is stated."""
-    if not isinstance(scale, Mapping):
-        return scale if isinstance(scale, str) else ""
-    way = next((way for way in _SUMMARIES if way in scale), None)
-    if way is None:
-        return "incomplete"
-    key, words = _SUMMARIES[way]
-    value = scale.get(key)
-    return words.format(f"{value:.12g}") if isinstance(value, int | float) else way
-
-
 # What a file of each kind may be used as, in words.
 USES: Final[Mapping[FileKind, Mapping[Use, str]]] = {
     "picture": {
@@ -141,17 +118,9 @@ class NewFile:
     guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
-class StatedValues(TypedDict, total=False):
+class StatedValues(FileValues, total=False):
     """What a spreadsheet or a name states of a new file, under its keys."""
 
-    use: Use
-    person: str
-    finger: str
-    face: Face
-    wedge_angle_deg: float
-    load_N: float
-    scale: str
-    session: str
     guessed: tuple[str, ...]
 
 
@@ -166,17 +135,9 @@ class Proposal:
 
 def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
     """Return what the name of a file says; the study's only finger is that of a file that names none."""
-    found = read_file_name(file, kind, fingers=fingers)
     only = next(iter(fingers)) if len(fingers) == 1 else ""
-    return NewFile(
-        file=file,
-        use=found.get("role", ""),
-        person=found.get("person", ""),
-        finger=found.get("finger", only),
-        face=found.get("face"),
-        wedge_angle_deg=found.get("wedge_angle_deg"),
-        load_N=found.get("load_N"),
-    )
+    stated: dict[str, Any] = {"finger": only, **read_file_name(file, kind, fingers=fingers)}
+    return NewFile(file=file, **stated)
 
 
 def with_scales(guess: Guess, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
@@ -224,28 +185,18 @@ def with_guessed_scale(new: NewFile, guess: Guess) -> NewFile:
 
 def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[StatedValues, str]:
     """Return values of a `NewFile` as a spreadsheet or a name states them, and which cannot be taken."""
-    same = {"person", "finger", "face", "wedge_angle_deg", "load_N", "session"}
-    taken = cast(StatedValues, {key: value for key, value in values.items() if key in same})
+    taken = cast(StatedValues, {**values})
     problem, finger, person = "", values.get("finger", new.finger), values.get("person")
-    if "role" in values:
-        taken["use"] = values["role"]
-    elif "face" in values and new.use == "observation" and "use" in new.guessed:
+    is_guess = "use" in new.guessed
+    if "use" not in values and "face" in values and is_guess and new.use == "observation":
         taken["use"] = "photograph"
-    elif (
-        values.get("load_N")
-        and "face" not in values
-        and (
-            new.use in {"coin", "ruler"}
-            or ("use" in new.guessed and new.use in {"observation", "photograph"})
-        )
-    ):
+    may_be_contact = new.use in {"coin", "ruler"} or (is_guess and new.use in {"observation", "photograph"})
+    if may_be_contact and values.get("load_N") and values.keys().isdisjoint({"use", "face"}):
         taken["use"] = "observation"  # nothing else has a load
     if person and finger:
         taken["finger"] = finger if finger.startswith(f"{person}_") else f"{person}_{finger}"
-    for way in ("ppi", "mm_per_px"):
-        if way in values:
-            taken["scale"] = scale_words({way: values[way]})
-    if (scale := values.get("scale")) is not None:
+    if (scale := values.get("scale")) is not None and " " not in scale:  # a name, no number with its unit
+        del taken["scale"]
         if known := next((name for name in scales if name.casefold() == scale.casefold()), None):
             taken["scale"] = known
         else:

@@ -23,18 +23,15 @@ Field: TypeAlias = Literal["person", "finger", "face", "role", "wedge", "roll", 
 
 
 class FileValues(TypedDict, total=False):
-    """What is stated of a file: keys of a new file on the page, in the manifest's units."""
+    """What is stated of a file: keys of a new file, in the manifest's units."""
 
-    role: Role | Literal[""]
+    use: Use
     person: str
     finger: str
     face: Face
     wedge_angle_deg: float
-    roll_angle_deg: float
     load_N: float
-    scale: str
-    ppi: float
-    mm_per_px: float
+    scale: str  # a name, or as `scale_words` writes a number
     session: str
 
 
@@ -106,7 +103,7 @@ def plain_name(text: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", text.strip()).strip("_.+-")[:60]
 
 
-_NUMBERS: Final = {"load": "load_N", "wedge": "wedge_angle_deg", "roll": "roll_angle_deg"}
+_KEYS: Final = {"load": "load_N", "wedge": "wedge_angle_deg", "roll": "roll_angle_deg", "role": "use"}
 
 
 def read_value(values: FileValues, field: Field, text: str, unit: str | None = None) -> None:
@@ -114,11 +111,11 @@ def read_value(values: FileValues, field: Field, text: str, unit: str | None = N
     found, words = cast(dict[str, Any], values), _words(text)
     match field:
         case "load" | "wedge" | "roll":
-            found[_NUMBERS[field]] = number_in(text, field, unit)
+            found[_KEYS[field]] = number_in(text, field, unit)
         case "scale" if _QUANTITY.fullmatch(text):
-            found |= scale_in(text, unit)
+            found["scale"] = scale_words(scale_in(text, unit))
         case "role" if face := next((word for word in words if word in FACES), None):
-            found |= {"face": face, "role": "photograph"}
+            found |= {"face": face, "use": "photograph"}
         case "face" | "role":
             meanings = _FACE_WORDS if field == "face" else _ROLE_WORDS
             word = next((word for word in words if word in meanings), None)
@@ -126,7 +123,7 @@ def read_value(values: FileValues, field: Field, text: str, unit: str | None = N
                 types = "contact, photograph, sequence, curve, outline, coin"
                 known = f"face: {', '.join(FACES)}" if field == "face" else f"type: {types}"
                 raise ValueError(f"{text!r} is no {known}")
-            found[field] = meanings[word]
+            found[_KEYS.get(field, field)] = meanings[word]
         case _:
             name = finger_name(text) if field == "finger" else plain_name(text)
             if not name:
@@ -149,6 +146,28 @@ def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
     if said in FACTORS["ppi"]:
         return {"ppi": number_in(text, "ppi", said)}
     raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
+
+
+_SUMMARIES: Final = {
+    "line": ("length_mm", "line of {} mm"),
+    "coin": ("diameter_mm", "coin of {} mm"),
+    "circle": ("diameter_mm", "circle of {} mm"),
+    "grid": ("spacing_mm", "grid of {} mm"),
+    "ppi": ("ppi", "{} ppi"),
+    "mm_per_px": ("mm_per_px", "{} mm/px"),
+}
+
+
+def scale_words(scale: object) -> str:
+    """Return a scale of a manifest in words: its name, or how it is stated."""
+    if not isinstance(scale, Mapping):
+        return scale if isinstance(scale, str) else ""
+    way = next((way for way in _SUMMARIES if way in scale), None)
+    if way is None:
+        return "incomplete"
+    key, words = _SUMMARIES[way]
+    value = scale.get(key)
+    return words.format(f"{value:.12g}") if isinstance(value, int | float) else way
 
 
 FileKind: TypeAlias = Literal["picture", "sequence", "table", "other"]
@@ -196,7 +215,7 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
         values["face"] = face
     role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
     if role and not names_a_scale(name) and not (kind == "table" and names_a_force(name)):
-        values["role"] = role
+        values["use"] = role
     known = [finger for finger in fingers if finger.lower() in stem.lower()]
     if known:
         values["finger"] = max(known, key=len)

@@ -15,10 +15,10 @@ from fingerpad.flags import FLAGS, Flag
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, is_rejected
-from fingerpad.study.editing.propose import NewFile, named_file, scale_words
+from fingerpad.study.editing.propose import NewFile, named_file
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.identify import kind_of_file
-from fingerpad.study.imports.names import FileKind
+from fingerpad.study.imports.names import FileKind, scale_words
 from fingerpad.study.manifest.load import STUDY_NAME, Kind, Table
 from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
