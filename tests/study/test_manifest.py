@@ -278,7 +278,8 @@ LINE = {"line": [[0, 0], [0, 9]], "length_mm": 1, "ends_px_std": 1}
 def test_says_what_is_taken_as_exact(stated, scale, exact):
     def taken(*more: Table, **pad: float) -> list[str]:
         tables = finger(**pad), picture("o", "a.png", scale=scale), *more
-        return study_of(*tables, uncertainty=stated, scales={"reader": {"ppi": 500}}).taken_as_exact()
+        study = study_of(*tables, uncertainty=stated, scales={"reader": {"ppi": 500}})
+        return list(study.taken_as_exact())
 
     thick = {"effective_thickness_mm": 8}
     assert taken() == exact == taken(**thick, effective_thickness_mm_std=1.5)
