@@ -93,7 +93,7 @@ def semi_axes_states(finished: Path, run_of: StudyResult | None) -> dict[str, st
     records = {one.finger: one for one in summary_of(run_of).fingers} if run_of else {}
     with Store.reading(finished.parent / "out" / STORE_NAME) as store:
         states = item_states(
-            StudyItems.of(
+            StudyItems(
                 RunContext(
                     study=study,
                     folder=finished.parent,

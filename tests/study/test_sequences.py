@@ -403,7 +403,7 @@ def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_els
         active = active_corrections({int(name[1:]): change for name, change in frames.items()})
         edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
         measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
-        return measured, StudyItems.of(
+        return measured, StudyItems(
             RunContext(study=study, folder=study_dir, active_corrections=active)
         ).sequences[0].key
 

@@ -67,7 +67,7 @@ def study_status(manifest: Path, out: Path | None = None) -> Status:
         statuses = {} if store is None else store.statuses()
         for task, status in statuses.items():
             parts_of[item_of(task)].append(status)
-        items = StudyItems.of(
+        items = StudyItems(
             RunContext(study=study, folder=folder, active_corrections=active_corrections, store=store)
         )
         states = item_states(items)

@@ -231,17 +231,18 @@ def corrected_contact_image(
         automatic = plain.measure()
     except ImageError as error:
         reason = str(error)
-    if not correction.edits:
-        return CorrectedContactImage(contact_image=automatic, reason=reason, automatic=automatic)
-    try:
-        prepared = plain
-        # With changes of these the ridges are detected again; strokes and ellipse need only those before.
-        if prepared is None or CORRECTIONS & correction.edits.keys():
-            prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
-        contact_image = measured_under(prepared, correction)
-    except ImageError as error:
-        return CorrectedContactImage(contact_image=None, reason=str(error), automatic=automatic)
-    return CorrectedContactImage(contact_image=contact_image, reason=None, automatic=automatic)
+    found = automatic
+    if correction.edits:
+        found = reason = None
+        try:
+            prepared = plain
+            # With changes of these the ridges are detected again; strokes and ellipse need only those before.
+            if prepared is None or CORRECTIONS & correction.edits.keys():
+                prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
+            found = measured_under(prepared, correction)
+        except ImageError as error:
+            reason = str(error)
+    return CorrectedContactImage(contact_image=found, reason=reason, automatic=automatic)
 
 
 def corrected_photograph(

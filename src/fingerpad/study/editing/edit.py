@@ -62,9 +62,10 @@ def _item(value: Any) -> Any:
     return tomlkit.item(value)
 
 
-def new_table(tables: Any, key: str) -> Any:
-    """Return a new table of this name."""
-    tables[key] = spaced(tomlkit.table())
+def table_in(tables: Any, key: str) -> Any:
+    """Return the table of this name, which is added where there is none."""
+    if key not in tables:
+        tables[key] = spaced(tomlkit.table())
     return tables[key]
 
 
@@ -257,26 +258,22 @@ def _require_name(kind: Kind, name: str) -> None:
 
 def _set_top(files: StudyFiles, edit: Edit) -> None:
     manifest = files.manifest
-    if edit.set is None:
-        if edit.kind == "study":
-            raise ManifestError("the study itself cannot be removed; delete its folder")
-        manifest.pop(edit.kind, None)
-        return
     if edit.kind == "study":
+        if edit.set is None:
+            raise ManifestError("the study itself cannot be removed; delete its folder")
         if tables := sorted(TABLES & edit.set.keys()):
             raise ManifestError(f"study: {tables[0]} has edits of its own")
         update(manifest, edit.set)
-        return
-    if edit.kind not in manifest:
-        new_table(manifest, edit.kind)
-    update(manifest[edit.kind], edit.set)
+    elif edit.set is None:
+        manifest.pop(edit.kind, None)
+    else:
+        update(table_in(manifest, edit.kind), edit.set)
 
 
 def _set_scale(files: StudyFiles, edit: Edit) -> None:
     manifest = files.manifest
-    known = edit.key in manifest.get("scales", {})
     if edit.set is None:
-        if not known:
+        if edit.key not in manifest.get("scales", {}):
             raise ManifestError(f"scale {edit.key}: there is none of this name")
         manifest["scales"].pop(edit.key)
         if not manifest["scales"]:
@@ -287,7 +284,7 @@ def _set_scale(files: StudyFiles, edit: Edit) -> None:
     _require_name("scale", renamed)
     if "scales" not in manifest:
         manifest["scales"] = tomlkit.table(True)
-    table = manifest["scales"][edit.key] if known else new_table(manifest["scales"], edit.key)
+    table = table_in(manifest["scales"], edit.key)
     kinds = values.keys() & set(SCALE_KINDS)
     if kinds and not kinds & table.keys():
         table.clear()

@@ -20,7 +20,7 @@ from fingerpad.study.measuring.context import (
     scale_tables,
 )
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
-from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_items
+from fingerpad.study.measuring.fingers import FingerResult, pad_of, photograph_items
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
@@ -30,23 +30,15 @@ from fingerpad.study.measuring.sequences import (
 )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class StudyItems:
     """All that counts in the progress of a study, in the order of its tables."""
 
-    context: RunContext
-    photographs: dict[str, list[PhotographItem]]  # by finger, without the rejected
-    curves: list[CurveItem | None]  # None for one without a file
-    observations: list[ObservationItem]
-    sequences: list[SequenceItem]
-
-    @classmethod
-    def of(cls, context: RunContext) -> "StudyItems":
-        """Return the items of a study."""
-        study = context.study
+    def __init__(self, context: RunContext) -> None:
+        self.context, study = context, context.study
         fingers = {finger.name: finger for finger in study.fingers}
-        photographs = {name: photograph_items(finger, context) for name, finger in fingers.items()}
-        curves = [
+        # By finger, without the rejected.
+        self.photographs = {name: photograph_items(finger, context) for name, finger in fingers.items()}
+        self.curves = [  # None for one without a file
             None
             if name is None
             else CurveItem(
@@ -54,17 +46,14 @@ class StudyItems:
                 name=name,
                 table=curve,
                 finger=fingers[curve.finger],
-                photographs=photographs[curve.finger],
+                photographs=self.photographs[curve.finger],
             )
             for name, curve in zip(curve_names(study), study.curves, strict=True)
         ]
-        return cls(
-            context,
-            photographs,
-            curves,
-            [ObservationItem(context=context, name=one.name, table=one) for one in study.observations],
-            [SequenceItem(context=context, name=one.name, table=one) for one in study.sequences],
-        )
+        self.observations = [
+            ObservationItem(context=context, name=one.name, table=one) for one in study.observations
+        ]
+        self.sequences = [SequenceItem(context=context, name=one.name, table=one) for one in study.sequences]
 
     def __iter__(self) -> Iterator[Item[Any]]:
         for photographs in self.photographs.values():
@@ -135,7 +124,7 @@ def measure_study(
 ) -> Measured:
     """Measure what the store lacks, store each result as it comes, and return all that was measured."""
     context = replace(context, scales=resolve_scales(context, store, executor))
-    statuses, items = store.statuses(), StudyItems.of(context)
+    statuses, items = store.statuses(), StudyItems(context)
     headers = [header_task(sequence, context) for sequence in context.study.sequences]
     records_of(headers, executor, store, context.folder)
     progress, done = _progress_of(items, store, executor.limits, statuses)

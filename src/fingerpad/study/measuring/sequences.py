@@ -222,53 +222,27 @@ def frames_beyond(
                     yield f"{sequence.manifest.name}#{frame}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OpenedSequence:
-    """A sequence that is to be measured."""
+    """A sequence of the manifest that is to be measured; `ChangedError` if the store lacks its header."""
 
-    images: SequenceImages
-    active: Mapping[int, ActiveCorrection]  # by frame, those between key frames included
-    context: RunContext
-    frames: Frames
-    force: ForceSignal
-    clock: FrameClock  # on the force's time
-
-    @classmethod
-    def open(cls, sequence: ContactSequence, context: RunContext) -> "OpenedSequence":
-        """Open a sequence of the manifest, whose header is in the store; `ChangedError` if it lacks it."""
+    def __init__(self, sequence: ContactSequence, context: RunContext) -> None:
         assert sequence.scale is not None  # the manifest's own rule
         found = require_scale(context.scale(sequence.scale))
         if found.name is None:
             # No name holds a colon: the frames of a sequence share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
         header = header_task(sequence, context)
-        frames = Frames(
-            path=context.folder / sequence.file,
-            **fields_from(Frames, _good(context, header.name, header.key)["header"]),
-        )
-        active = frame_corrections(context.active_corrections, sequence.name)
+        known = fields_from(Frames, _good(context, header.name, header.key)["header"])
+        self.sequence, self.context = sequence, context
+        self.frames = Frames(path=context.folder / sequence.file, **known)
+        # By frame, those between key frames included.
+        self.active = frame_corrections(context.active_corrections, sequence.name)
+        edited = {frame: contact_correction(one) for frame, one in self.active.items() if one.change.edits}
+        self.images = SequenceImages(sequence=sequence, found=found, corrections=edited)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         with columns_named_by(partial(columns_in_toml, "force_columns")):
-            force = read_force_signal(context.folder / sequence.force, columns)
-        return cls(
-            images=SequenceImages(
-                sequence=sequence,
-                found=found,
-                corrections={
-                    frame: contact_correction(one) for frame, one in active.items() if one.change.edits
-                },
-            ),
-            active=active,
-            context=context,
-            frames=frames,
-            force=force,
-            clock=_clock(sequence, frames, force, context.folder),
-        )
-
-    @property
-    def sequence(self) -> ContactSequence:
-        """What the manifest says of it."""
-        return self.images.sequence
+            self.force = read_force_signal(context.folder / sequence.force, columns)
+        self.clock = _clock(sequence, self.frames, self.force, context.folder)  # on the force's time
 
     @property
     def phases(self) -> ManualPhases | None:
@@ -455,7 +429,7 @@ class SequenceItem(Item[ContactSequence]):
         """Yield its tasks, stage by stage; whatever goes wrong costs this sequence only."""
         key, left = self.key, self.pictures
         try:
-            for stage in OpenedSequence.open(self.table, self.context).stages(self.key):
+            for stage in OpenedSequence(self.table, self.context).stages(self.key):
                 left -= sum(task.pictures for task in stage)
                 yield stage
         except ChangedError:
@@ -489,7 +463,7 @@ def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -
         active = frames_of(context.active_corrections, name)
         if sequence.reason is None and active:
             with _all_stored(name, context):
-                digests = OpenedSequence.open(sequence.manifest, context).digests(active)
+                digests = OpenedSequence(sequence.manifest, context).digests(active)
             found |= {f"{name}#{frame}": digests.get(frame, "") for frame in active}
     return found
 
@@ -502,7 +476,7 @@ def sequence_measurements(result: SequenceResult, context: RunContext) -> Iterat
         return
     with _all_stored(name, context):
         flags = () if result.summary is None else result.summary.flags
-        yield from OpenedSequence.open(result.manifest, context).measurements(flags)
+        yield from OpenedSequence(result.manifest, context).measurements(flags)
 
 
 @contextmanager

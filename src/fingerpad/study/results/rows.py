@@ -102,7 +102,7 @@ def model_contacts(
         """Yield batches of rows, and keep what else is needed of them."""
         start = 0
         while batch := list(islice(stream, _AT_ONCE)):
-            done = _Batch.of(study, fingers, batch, repeatability)
+            done = _Batch(study, fingers, batch, repeatability)
             yield done.columns
             counts = done.columns["pooled"][done.good]
             pooled.add(start + done.good[counts])
@@ -129,29 +129,21 @@ def model_contact(
     study: Study, finger: FingerResult, contact: Contact, measured: Measurement, names: Iterable[str]
 ) -> Row:
     """Return some columns of the row of one contact, as `model_contacts` does, without making a table."""
-    columns = _Batch.of(study, {finger.name: finger}, [(contact, measured)], {}).columns
+    columns = _Batch(study, {finger.name: finger}, [(contact, measured)], {}).columns
     known = ((name, columns[name].tolist()[0] if name in columns else None) for name in names)
     return {name: None if value != value else value for name, value in known}  # noqa: PLR0124
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Batch:
     """Some rows by column, with inputs and answer of the model for the `good` ones among them."""
 
-    columns: dict[str, ColumnArray]
-    good: Indices
-    inputs: Inputs
-    modelled: Modelled
-    layer_parts: FloatArray
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         study: Study,
         fingers: Mapping[str, FingerResult],
         seen: Seen,
         repeatability: Mapping[bool, ContactRepeatability],
-    ) -> "_Batch":
+    ) -> None:
         reasons = [measured.rejected or measured.reason or _unloaded(measured) for _, measured in seen]
         has_pad = {name: finger.has_semi_axes for name, finger in fingers.items()}
         sound = np.array(
@@ -160,20 +152,20 @@ class _Batch:
         )
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
         inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
-        modelled = Modelled.of(inputs, study.uncertainty)
-        answered = modelled.answered
+        self.modelled = Modelled.of(inputs, study.uncertainty)
+        answered = self.modelled.answered
         for place in sound[~answered]:
             reasons[place] = "the model has no finite answer for these values; check their units"
-        good, inputs, columns = sound[answered], inputs.at(answered), _described(fingers, seen, reasons)
-        pads = [fingers[seen[place][0].finger] for place in good]
-        layer, layer_parts = layer_columns(pads, inputs, study.uncertainty)
-        if good.size:
-            described = {name: column[good] for name, column in columns.items()}
-            answers = _modelled(described | layer, pads, modelled, inputs) | layer
+        self.good, self.inputs = sound[answered], inputs.at(answered)
+        self.columns = _described(fingers, seen, reasons)
+        pads = [fingers[seen[place][0].finger] for place in self.good]
+        layer, self.layer_parts = layer_columns(pads, self.inputs, study.uncertainty)
+        if self.good.size:
+            described = {name: column[self.good] for name, column in self.columns.items()}
+            answers = _modelled(described | layer, pads, self.modelled, self.inputs) | layer
             for name, answer in answers.items():
-                columns[name] = COLUMNS[name].unknown(len(seen))
-                columns[name][good] = answer
-        return cls(columns=columns, good=good, inputs=inputs, modelled=modelled, layer_parts=layer_parts)
+                self.columns[name] = COLUMNS[name].unknown(len(seen))
+                self.columns[name][self.good] = answer
 
     @property
     def on_layer(self) -> BoolArray:

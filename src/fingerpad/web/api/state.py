@@ -205,7 +205,7 @@ class _Known:
                 active_corrections=self.active,
                 store=store,
             )
-            return item_states(StudyItems.of(context))
+            return item_states(StudyItems(context))
 
         path = self.opened.out / STORE_NAME
         if path.is_file():

@@ -7,7 +7,7 @@ question.
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Final, NamedTuple, Self
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
-from fingerpad.study.results.rows import HighestLoad, Rows
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRecord, ValidityRecord
 from fingerpad.study.results.table import COLUMNS, Indices, Row, first_record
 from fingerpad.study.results.validity.model_checks import (
@@ -61,22 +61,11 @@ _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
-class FingerAtAngle(NamedTuple):
+class FingerAtAngle:
     """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
 
-    study: Study
-    pad: FingerResult
-    summary: Summary
-    highest: HighestLoad | None
-    highest_row: Row | None
-    loading: LoadingRadius | None
-    fits: tuple[LoadingFit, ...]
-    loaded: pd.DataFrame
-    press_std: float  # relative, of the areas of presses under one load
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         study: Study,
         fingers: Mapping[str, FingerResult],
         rows: Rows,
@@ -84,32 +73,27 @@ class FingerAtAngle(NamedTuple):
         curves: Sequence[CurveResult],
         *,
         repeatability: Mapping[bool, ContactRepeatability],
-    ) -> Self:
-        """Gather what is known of a summary's finger at its angle."""
-        press_std, repeats = 0.0 if summary.synthetic else PRESS_STD, repeatability.get(summary.synthetic)
-        if repeats is not None and repeats.known:
-            press_std = repeats.area_std
-        highest = rows.highest_load.get(summary.key)
-        areas = summary.areas
-        return cls(
-            study=study,
-            pad=fingers[summary.finger],
-            summary=summary,
-            highest=highest,
-            highest_row=highest
-            and first_record(summary.where(summary.column("observation") == highest.observation)),
-            loading=loading_radius(curves, summary.finger_and_wedge),
-            # Of curves on which the place of contact was found.
-            fits=tuple(
-                one.fit
-                for one in curves
-                if one.fit is not None
-                and one.manifest.finger_and_wedge == summary.finger_and_wedge
-                and 0 < one.fit.contact_offset.std < math.inf
-            ),
-            loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
-            press_std=press_std,
+    ) -> None:
+        self.study, self.pad, self.summary = study, fingers[summary.finger], summary
+        highest = self.highest = rows.highest_load.get(summary.key)
+        self.highest_row = highest and first_record(
+            summary.where(summary.column("observation") == highest.observation)
         )
+        self.loading = loading_radius(curves, summary.finger_and_wedge)
+        # Of curves on which the place of contact was found.
+        self.fits = tuple(
+            one.fit
+            for one in curves
+            if one.fit is not None
+            and one.manifest.finger_and_wedge == summary.finger_and_wedge
+            and 0 < one.fit.contact_offset.std < math.inf
+        )
+        areas = summary.areas
+        self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]
+        repeats = repeatability.get(summary.synthetic)
+        self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
+        if repeats is not None and repeats.known:
+            self.press_std = repeats.area_std
 
     @property
     def no_loading_radius(self) -> str:
@@ -369,30 +353,29 @@ def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
 
 
 def _radius_check(case: FingerAtAngle) -> ValidityCheck:
-    loading, pooled = case.loading, case.summary.compliance_radius
-    if loading is None or pooled is None:
-        return CHECKS[ROUTES[RADIUS]].untested(case.no_loading_radius if loading is None else case.nothing)
+    pooled, first = case.summary.compliance_radius, case.summary.first
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
-    first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
-    reference, note = without_misfit(loading)
-    return CHECKS[ROUTES[RADIUS]].of_ratio(
-        (factor * pooled.value, factor * pooled.std),
-        reference,
-        log_std=_shared_scale_std(case, loading, pooled.std / pooled.value, reference[1]),
-        note=note,
-    )
+    value = None if pooled is None else (factor * pooled.value, factor * pooled.std)
+    return _against_loading(case, CHECKS[ROUTES[RADIUS]], value)
 
 
-def _shared_scale_std(
-    case: FingerAtAngle, loading: LoadingRadius, relative_std: float, loading_std: float
-) -> float | None:
-    """Return that of the logarithm of a radius over R_g where outlines and areas share a scale, else None."""
-    if loading.scale is None or loading.scale != case.pad.scale:
-        return None
-    # The pad's radius goes with the scale, R_g with its square.
-    apart = relative_std**2 + (loading_std / loading.value) ** 2
-    return math.sqrt(apart - (loading.area_std / loading.value) ** 2)
+def _against_loading(
+    case: FingerAtAngle, check: ValidityCheck, value: tuple[float, float] | None, reading: float = 0.0
+) -> ValidityCheck:
+    """Compare a radius with R_g, which is uncertain by how it was read too, relative to it."""
+    loading = case.loading
+    if loading is None or value is None:
+        return check.untested(case.no_loading_radius if loading is None else case.nothing)
+    (radius, std), note = without_misfit(loading)
+    std, log_std = math.hypot(std, reading * radius), None
+    if loading.scale is not None and loading.scale == case.pad.scale:
+        # Outlines and areas share it: the pad's radius goes with the scale, R_g with its square.
+        apart = (value[1] / value[0]) ** 2 + (std / radius) ** 2
+        log_std = math.sqrt(apart - (loading.area_std / radius) ** 2)
+    read = f"± {100 * reading:.0f} % for how R_g was read" if reading else ""
+    note = "; ".join(filter(None, (note, read)))
+    return check.of_ratio(value, (radius, std), log_std=log_std, note=note)
 
 
 def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
@@ -520,23 +503,12 @@ def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator
     layer = case.summary.layer
     if layer is None or layer.flag:
         return
-    yield _layer_radius_check(case, layer)
+    found = layer.at_highest_load["loading_radius_on_layer"]
+    yield _against_loading(
+        case, CHECKS["loading_radius_on_layer"], (found.value, found.std), reading=_READING
+    )
     yield _modulus_check(case, layer, curves)
     yield _shape_check(case)
-
-
-def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityCheck:
-    if case.loading is None:
-        return CHECKS["loading_radius_on_layer"].untested(case.no_loading_radius)
-    found = layer.at_highest_load["loading_radius_on_layer"]
-    (value, std), note = without_misfit(case.loading)
-    std = math.hypot(std, _READING * value)
-    return CHECKS["loading_radius_on_layer"].of_ratio(
-        (found.value, found.std),
-        (value, std),
-        log_std=_shared_scale_std(case, case.loading, found.std / found.value, std),
-        note="; ".join(filter(None, (note, f"± {100 * _READING:.0f} % for how R_g was read"))),
-    )
 
 
 def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[CurveResult]) -> ValidityCheck:
@@ -599,7 +571,7 @@ def validity_of(
 ) -> list[ValidityRecord]:
     """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
     cases = [
-        FingerAtAngle.of(study, fingers, rows, one, curves, repeatability=repeatability) for one in summaries
+        FingerAtAngle(study, fingers, rows, one, curves, repeatability=repeatability) for one in summaries
     ]
     checks = [_checks(case) for case in cases]
     routes = {
