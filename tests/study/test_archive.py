@@ -89,7 +89,7 @@ def write(folder, files, folders, ways):
 
 
 def bundle_of(folder, out=None):
-    return Bundle.of(folder, out or folder / "results", load_study(folder / "study.toml").files())
+    return Bundle(folder, out or folder / "results", load_study(folder / "study.toml").files())
 
 
 def round_trip(folder, out=None):

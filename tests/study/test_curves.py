@@ -16,7 +16,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.text import doubtful_results, to_measure_better
 from fingerpad.simulate import simulate_loading_curve
-from fingerpad.study.measuring.curves import CurveResult, loading_radius, placed_pad
+from fingerpad.study.measuring.curves import CurveResult, PlacedPad, loading_radius
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
@@ -165,7 +165,7 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path):
     """No finger is an ellipsoid, which outlines alone do not tell of the radius across it."""
     pad = finger(photographs=write_outlines(tmp_path))
     result = run_study(write_study(tmp_path, of=pad), tmp_path / "out")
-    placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
+    placed = PlacedPad(result.fingers["f"], 30.0, result.study.uncertainty)
     first, second = placed.placement.curvature.principal_radii
     (row,) = records(result.rows)
     assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])

@@ -414,7 +414,7 @@ def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path):
     labels += ["ж" * 90, "ж" * 80, "a.tif", "a", "a_2"]
     known = {"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0}
     write_observations(tmp_path / "o.csv", observations(*map(ellipse, labels), known=known))
-    rows = Sheet.parse("o.csv", (tmp_path / "o.csv").read_bytes()).tables()
+    rows = Sheet("o.csv", (tmp_path / "o.csv").read_bytes()).tables()
     names = [content["name"] for _, content, _ in rows]
     assert names[:2] == ["a_b_c_0001-0203", "A_B_C_0001-0203_2"]
     assert len({name.casefold() for name in names}) == len(labels)

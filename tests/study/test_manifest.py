@@ -229,7 +229,7 @@ def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path):
     cells = "b;index;45;300;5,3;4;0,1"
     path = beside(tmp_path, head, cells, "c;index;45;1500,5;5,3;4;0,1")
     assert [row.load_N for row in read_study(path).observations] == [0.3, 1.5005]
-    sheet = Sheet.parse("rows.csv", path.with_name("rows.csv").read_bytes())
+    sheet = Sheet("rows.csv", path.with_name("rows.csv").read_bytes())
     sheet.change("b", {"load_N": 0.2504})
     assert "b;index;45;250,4;5,3" in sheet.text()
     with pytest.raises(ManifestError, match=r"rows.csv, line 2: load_N.*'much'"):

@@ -12,11 +12,11 @@ import zipfile
 import zlib
 from collections.abc import Iterable
 from contextlib import closing, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
-from typing import Final, Self
+from typing import Final
 from uuid import uuid4
 
 from fingerpad._files import folded
@@ -47,42 +47,36 @@ class LeftOut:
     why: str
 
 
-@dataclass(slots=True, kw_only=True)
 class Bundle:
     """The files of a study and its results."""
 
-    documents: tuple[str, ...] = ()  # the files that the page changes together
-    # where each file is, by its name in the study; the documents come first
-    files: dict[str, Path] = field(default_factory=dict)
-    folders: list[str] = field(default_factory=list)  # the folders, each with a slash at its end
-    left_out: list[LeftOut] = field(default_factory=list)  # what the ZIP does not hold
-
-    @classmethod
-    def of(cls, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> Self:
+    def __init__(self, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> None:
         """List the files of a study; those that it has `named` also if hidden or behind links."""
-        bundle = cls()
+        self.files: dict[str, Path] = {}  # where each is, by its name in the study; the documents come first
+        self.folders: list[str] = []  # each with a slash at its end
+        self.left_out: list[LeftOut] = []  # what the ZIP does not hold
         for name in _DOCUMENTS:
             if (folder / name).is_file():
-                bundle.files[name] = folder / name
-        bundle._add_named(folder, sheet or "")
-        documents = tuple(bundle.files)
+                self.files[name] = folder / name
+        self._add_named(folder, sheet or "")
+        documents = tuple(self.files)
         for name in sorted(named):
-            bundle._add_named(folder, name)
+            self._add_named(folder, name)
         results = folder / RESULTS_NAME
         if out != results and results.is_dir():
-            bundle._leave(f"{RESULTS_NAME}/", "other results than those that are open")
-        for path, name in bundle._entries(folder, ""):
+            self._leave(f"{RESULTS_NAME}/", "other results than those that are open")
+        for path, name in self._entries(folder, ""):
             of_a_run = path.is_dir() and path in {results, out}
             if not of_a_run and not (out == folder and name in _OF_A_RUN):
-                bundle._add(path, name, folder, out)
+                self._add(path, name, folder, out)
         if out.is_dir():
-            for path, name in bundle._entries(out, f"{RESULTS_NAME}/"):
+            for path, name in self._entries(out, f"{RESULTS_NAME}/"):
                 if not folder.is_relative_to(out) or path.name in _OF_A_RUN:
-                    bundle._add(path, name, out, out)
-        bundle._leave_unportable()
-        bundle.documents = tuple(name for name in documents if name in bundle.files)
-        bundle.left_out = sorted({one for one in bundle.left_out if one.file not in bundle.files})
-        return bundle
+                    self._add(path, name, out, out)
+        self._leave_unportable()
+        # The files that the page changes together.
+        self.documents = tuple(name for name in documents if name in self.files)
+        self.left_out = sorted({one for one in self.left_out if one.file not in self.files})
 
     def _leave_unportable(self) -> None:
         """Leave out what a system without case, or with names of its own, could not unpack."""

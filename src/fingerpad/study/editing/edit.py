@@ -171,7 +171,7 @@ class StudyFiles:
         self.sheet: Sheet | None = None
         name = self.before.study.observations_csv
         if name is not None:
-            self.sheet = Sheet.parse(name, file_inside(folder, name).read_bytes())
+            self.sheet = Sheet(name, file_inside(folder, name).read_bytes())
         self._texts = self._written()
 
     def _written(self) -> dict[str, str]:

@@ -59,7 +59,7 @@ class Task:
     key: str  # digest of inputs, parameters and measuring code
     work: Work
     inputs: tuple[str, ...]  # files and folders that it reads
-    pictures: int = 1  # or frames by which it advances the run
+    pictures: int = 0  # or frames by which it advances the run
     reads: int = 1  # pictures or frames: the time limit holds for each
 
 

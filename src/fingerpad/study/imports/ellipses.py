@@ -133,7 +133,7 @@ def _values_of_labels(ellipses: Sequence[MeasuredEllipse], text: str | None) -> 
     """Return what each label states, nothing where it does not fit the pattern."""
     if text is None:
         return [{} for _ in ellipses]
-    pattern = NamePattern.of(text, _LABEL_FIELDS)
+    pattern = NamePattern(text, _LABEL_FIELDS)
     stems = [re.split(f"{_SUFFIX}|:", one.label, maxsplit=1, flags=re.IGNORECASE)[0] for one in ellipses]
     found = [pattern.match(one.source, stem) for one, stem in zip(ellipses, stems, strict=True)]
     for match in found:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Any, Final, Literal, Self, TypeAlias, cast, get_args
+from typing import Any, Final, Literal, TypeAlias, cast, get_args
 
 from typing_extensions import TypedDict  # for pydantic, before Python 3.12
 
@@ -284,21 +284,14 @@ class PatternMatch:
     problem: str = ""  # why something of it is not known; empty where all is
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NamePattern:
-    """A pattern of names."""
+    """A pattern of names, which holds some of the `known` fields; errors as of `match_file_names`."""
 
-    text: str
-    expression: re.Pattern[str]
-    # what is in it, in order; for loads the unit, None where the pattern has none
-    fields: dict[Field, str | None]
-
-    @classmethod
-    def of(cls, text: str, known: Collection[Field] = FILE_FIELDS) -> Self:
-        """Read a pattern, which holds some of the `known` fields; errors as of `match_file_names`."""
+    def __init__(self, text: str, known: Collection[Field] = FILE_FIELDS) -> None:
         if len(text) > _LONGEST:
             raise ManifestError(f"a pattern of more than {_LONGEST} characters")
         words = ", ".join(f"{{{name}}}" for name in known)
+        # Fields in order; for loads the unit, None where the pattern has none.
         expression, end, fields = "", -1, dict[Field, str | None]()
         if text.count("*") > _MOST_ANY:
             raise ManifestError(f"* more than {_MOST_ANY} times in the pattern {text!r}")
@@ -320,22 +313,21 @@ class NamePattern:
             expression += f"({_EXPRESSIONS.get(field, _TEXT)})"
         if not fields:
             raise ManifestError(f"write {words} where they stand in the names, found {text!r}")
-        expression += re.escape(text[end:])
-        return cls(text=text, expression=re.compile(expression, re.IGNORECASE), fields=fields)
+        self._fields = fields
+        self._expression = re.compile(expression + re.escape(text[end:]), re.IGNORECASE)
 
     def match(self, name: str, stem: str) -> PatternMatch:
         """Return what the stem of a name, without suffix, states."""
         values = FileValues()
-        found = self.expression.fullmatch(stem[:_LONGEST])
+        found = self._expression.fullmatch(stem[:_LONGEST])
         if found is None:
             return PatternMatch(file=name, values=values, fits=False, problem="does not fit the pattern")
         problems = []
-        for text, (field, unit) in zip(found.groups(), self.fields.items(), strict=True):
-            number = field in {"wedge", "load", "roll"}
+        for text, (field, unit) in zip(found.groups(), self._fields.items(), strict=True):
+            if field in {"wedge", "load", "roll"}:
+                text = re.sub("p", ".", text, flags=re.IGNORECASE)  # noqa: PLW2901
             try:
-                read_value(
-                    values, field, re.sub("p", ".", text, flags=re.IGNORECASE) if number else text, unit
-                )
+                read_value(values, field, text, unit)
             except ValueError as error:
                 problems.append(f"{field}: {error}")
         return PatternMatch(file=name, values=values, problem="; ".join(problems))
@@ -348,5 +340,5 @@ def match_file_names(pattern: str, files: Iterable[str]) -> list[PatternMatch]:
     anything stands. Letters after a load are its unit: ``{load}mN``. Numbers have a point, a comma or the
     letter p for the decimal point; texts are letters, digits and dashes. Case does not matter.
     """
-    compiled = NamePattern.of(pattern)
+    compiled = NamePattern(pattern)
     return [compiled.match(file, PurePosixPath(file).stem) for file in files]

@@ -321,7 +321,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         try:
             rows = read(top.observations_csv)
             digests[top.observations_csv] = hashlib.sha256(rows).hexdigest()
-            tables = chain(tables, _rows(Sheet.parse(top.observations_csv, rows)))
+            tables = chain(tables, _rows(Sheet(top.observations_csv, rows)))
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
             wrong.append(

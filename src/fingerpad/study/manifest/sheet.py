@@ -8,11 +8,11 @@ import re
 from collections import deque
 from collections.abc import Iterator, Mapping
 from sys import intern
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from fingerpad._columns import header_parts
 from fingerpad._csv import csv_cell, csv_text, unescape_formula
-from fingerpad._tables import Table, parse_table, with_point
+from fingerpad._tables import parse_table, with_point
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.messages import Fault
 from fingerpad.study.manifest.models import Observation
@@ -39,41 +39,32 @@ _QUANTITY: Final = re.compile(r".*_(N|deg|mm|std)|ppi|mm_per_px")
 class Sheet:
     """The rows of ``observations_csv``."""
 
-    def __init__(self, table: Table) -> None:
-        self.name = table.name
-        self._separator = table.separator
-        self._titles = table.header
-        columns = [_key_and_factor(title) for title in table.header]
-        self._header, self._factors = [key for key, _ in columns], dict(columns)
-        self._rows = table.rows
-        self._decimal_commas = table.has_decimal_commas(
-            cell.strip()
-            for _, cells in self._rows
-            for key, cell in zip(self._header, cells, strict=False)
-            if _QUANTITY.fullmatch(key)
-        )
-
-    @classmethod
-    def parse(cls, name: str, content: bytes) -> Self:
-        """Return the rows of a CSV file of this name."""
+    def __init__(self, name: str, content: bytes) -> None:
+        """Read the rows of a CSV file of this name."""
         table = parse_table(content, name, ManifestError)
         if not table.separator:
             raise ManifestError(f"{name}: is no CSV, the rows of which can be edited: save it as CSV")
-        sheet = cls(table)
-        missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(sheet._header)
+        self.name, self._separator, self._titles = table.name, table.separator, table.header
+        columns = [_key_and_factor(title) for title in table.header]
+        header, self._factors = [key for key, _ in columns], dict(columns)
+        missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(header)
         if missing:
             raise ManifestError(
                 f"{name}: no column {', '.join(sorted(missing))} in the first line; found "
-                f"{', '.join(sheet._header) or 'none'}: rename the columns, and convert other units"
+                f"{', '.join(header) or 'none'}: rename the columns, and convert other units"
             )
-        repeated = sorted({key for key in sheet._header if key and sheet._header.count(key) > 1})
+        repeated = sorted({key for key in header if key and header.count(key) > 1})
         if repeated:
-            raise ManifestError(
-                f"{name}: column {repeated[0]} is there {sheet._header.count(repeated[0])} times"
-            )
+            raise ManifestError(f"{name}: column {repeated[0]} is there {header.count(repeated[0])} times")
         if not table.rows:
             raise ManifestError(f"{name}: holds no rows below its first line")
-        return sheet
+        self._header, self._rows = header, table.rows
+        self._decimal_commas = table.has_decimal_commas(
+            cell.strip()
+            for _, cells in self._rows
+            for key, cell in zip(header, cells, strict=False)
+            if _QUANTITY.fullmatch(key)
+        )
 
     def text(self) -> str:
         """Return it as a CSV text."""

@@ -111,7 +111,7 @@ class CurveItem(OneTaskItem[Curve]):
             curve=self.table,
             pad=Ellipsoid(*pad.semi_axes) if known else None,
             poisson_ratio=self.context.study.poisson_ratio,
-            placed=placed_pad(pad, self.table.wedge_angle_deg, given) if known else None,
+            placed=PlacedPad(pad, self.table.wedge_angle_deg, given) if known else None,
             given=given,
             scale=self.scale,
         )
@@ -138,37 +138,27 @@ def curve_names(study: Study) -> list[str | None]:
     return [name(curve) for curve in study.curves]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedPad:
-    """The pad where a curve presses it, with standard uncertainties of 1/H (mm) and of R1/R2."""
+    """The pad where a curve presses it, its radius as uncertain as R_0g of the study's contacts."""
 
-    placement: Placement
-    radius_std: float
-    radius_ratio_std: float
-    scale: str | None  # of all its photographs
-
-
-def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> PlacedPad:
-    """Return the pad on its wedge, its radius as uncertain as R_0g of the study's contacts."""
-    along, along_std, across_std = finger.shape_deviation(wedge_angle_deg, 0.0)
-    wedge_angle = math.radians(wedge_angle_deg)
-    axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
-    inputs = Inputs.of(
-        **axes,
-        wedge_angle=(wedge_angle, math.radians(stds.wedge_deg_std)),
-        roll_angle=(0.0, math.radians(stds.roll_angle_deg_std)),
-        in_plane_deviation=(along, along_std),
-        transverse_deviation=(0.0, across_std),
-    )
-    known = propagate(_radii, inputs.with_covariance(SEMI_AXES, finger.covariance))
-    # Of a pad that is larger as a whole both radii are larger by as much.
-    pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
-    return PlacedPad(
-        placement=Placement(pad, wedge_angle=wedge_angle),
-        radius_std=float(known["radius"].std),
-        radius_ratio_std=float(known["ratio"].std),
-        scale=finger.scale,
-    )
+    def __init__(self, finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> None:
+        along, along_std, across_std = finger.shape_deviation(wedge_angle_deg, 0.0)
+        wedge_angle = math.radians(wedge_angle_deg)
+        axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
+        inputs = Inputs.of(
+            **axes,
+            wedge_angle=(wedge_angle, math.radians(stds.wedge_deg_std)),
+            roll_angle=(0.0, math.radians(stds.roll_angle_deg_std)),
+            in_plane_deviation=(along, along_std),
+            transverse_deviation=(0.0, across_std),
+        )
+        known = propagate(_radii, inputs.with_covariance(SEMI_AXES, finger.covariance))
+        # Of a pad that is larger as a whole both radii are larger by as much.
+        pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
+        self.placement = Placement(pad, wedge_angle=wedge_angle)
+        # Standard uncertainties of 1/H, mm, and of R1/R2.
+        self.radius_std, self.radius_ratio_std = float(known["radius"].std), float(known["ratio"].std)
+        self.scale = finger.scale  # of all its photographs
 
 
 def _radii(**inputs: FloatArray) -> dict[str, FloatArray]:

@@ -68,7 +68,6 @@ def operator_pairs(context: RunContext, store: Store, executor: Executor) -> lis
             key=context.key(observation, one.edits, other.edits),
             work=partial(_compare, observation, context.scale(scale), one, other),
             inputs=context.inputs_of(observation),
-            pictures=0,
         )
         for observation, scale, one, other in outlined
     ]

@@ -92,7 +92,6 @@ def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dic
             key=cache_key(table.model_dump(mode="json"), context.digest(context.folder / file)),
             work=partial(scale_record, name, table),
             inputs=(file,),
-            pictures=0,
         )
         for key, (name, table) in tables.items()
         for _, file in table.files()

@@ -82,7 +82,6 @@ def header_task(sequence: ContactSequence, context: RunContext) -> Task:
         key=cache_key(context.key(sequence, leave_out=TIMING), "header"),
         work=partial(_header, sequence.file),
         inputs=(sequence.file,),
-        pictures=0,
     )
 
 
@@ -311,7 +310,6 @@ class OpenedSequence:
             key=self._key(stage, piece),
             work=work,
             inputs=self.context.inputs_of(self.sequence),
-            pictures=0,
             reads=1 if piece is None else piece[1] - piece[0],
         )
 

@@ -3,10 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
@@ -72,27 +71,17 @@ def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLik
     return Inputs(names=names, mean=mean, covariance=covariance, groups=LAYER_SOURCES)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Layered:
-    """Contacts on a layer; NaN where they are flagged."""
+    """Contacts on a layer, by their inputs with the thickness; NaN where they are flagged."""
 
-    propagated: Propagated  # `both_models` at the contacts' inputs, by first order
-    std: FloatArray  # standard uncertainties, by the study's method; NaN beyond the range of the laws
-    flag: npt.NDArray[np.str_]  # what is out of that range; empty where nothing is
-
-    @classmethod
-    def of(cls, inputs: Inputs, method: str) -> Self:
-        """Apply the model to the inputs of some contacts, thickness included."""
+    def __init__(self, inputs: Inputs, method: str) -> None:
         with np.errstate(all="ignore"):
-            propagated = propagate(both_models, inputs)
-            std = propagated.std if method == "first_order" else _simulated_std(propagated)
-        flag = layer_flag(inputs)
-        known = np.isfinite(std).all(axis=-1)
-        return cls(
-            propagated=propagated,
-            std=std,
-            flag=np.where((flag == "") & ~known, UNCERTAINTY_OUT_OF_RANGE, flag),
-        )
+            self.propagated = propagate(both_models, inputs)  # by first order
+            # By the study's method; NaN beyond the range of the laws.
+            self.std = self.propagated.std if method == "first_order" else _simulated_std(self.propagated)
+        flag, known = layer_flag(inputs), np.isfinite(self.std).all(axis=-1)
+        # What is out of that range; empty where nothing is.
+        self.flag = np.where((flag == "") & ~known, UNCERTAINTY_OUT_OF_RANGE, flag)
 
 
 def _simulated_std(propagated: Propagated) -> FloatArray:
@@ -127,7 +116,7 @@ def layer_columns(
     }
     if not stated.size:
         return columns, parts
-    found = Layered.of(
+    found = Layered(
         with_thickness(inputs.at(stated), thickness[stated], np.nan_to_num(std[stated])), given.method
     )
     flags[stated] = [flag or None for flag in found.flag.tolist()]

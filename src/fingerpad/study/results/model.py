@@ -6,10 +6,10 @@ parts, one for each of its independent errors, so that contacts which share a so
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from types import MappingProxyType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -60,21 +60,13 @@ PART_SOURCES: Final = part_sources(PAD_SOURCES)
 MOST_DRAWS: Final = 200_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Modelled:
-    """Outputs of the model for those of some contacts for which it has any."""
+    """Outputs of the model for those of a thousand contacts at most for which it has any.
 
-    value: dict[str, FloatArray]  # by output, shape (contacts,)
-    std: dict[str, FloatArray]
-    std_from: dict[str, dict[str, FloatArray]]  # the same from one of `STATED_APART` alone
-    # Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`, of shape
-    # (contacts, pooled outputs, parts); their squares add up to the variance.
-    parts: FloatArray
-    answered: BoolArray  # of all contacts, whether there are outputs
+    Its derivatives are far larger than that.
+    """
 
-    @classmethod
-    def of(cls, inputs: Inputs, given: Uncertainty) -> Self:
-        """Apply the model to a thousand contacts at most: its derivatives are far larger than that."""
+    def __init__(self, inputs: Inputs, given: Uncertainty) -> None:
         finite: BoolArray = np.asarray(
             np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
         )
@@ -84,19 +76,20 @@ class Modelled:
             parts = parts_of(propagated, POOLED_OUTPUTS, given)
         known: BoolArray = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
         std = _monte_carlo(propagated, known) if given.method == "monte_carlo" else propagated.std
-
         answered: BoolArray = known & np.isfinite(std).all(axis=-1)
 
         def by_output(outputs: FloatArray) -> dict[str, FloatArray]:
             return dict(zip(propagated.names, outputs[answered].T, strict=True))
 
-        return cls(
-            value=by_output(propagated.value),
-            std=by_output(std),
-            std_from={part: by_output(_std_from(propagated, of, given)) for part, of in STATED_APART.items()},
-            parts=parts[answered],
-            answered=answered,
-        )
+        self.answered = answered  # of all contacts, whether there are outputs
+        # By output, shape (contacts,); the last from one of `STATED_APART` alone.
+        self.value, self.std = by_output(propagated.value), by_output(std)
+        self.std_from = {
+            part: by_output(_std_from(propagated, of, given)) for part, of in STATED_APART.items()
+        }
+        # Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`, of shape
+        # (contacts, pooled outputs, parts); their squares add up to the variance.
+        self.parts = parts[answered]
 
 
 def contact_inputs(

@@ -288,7 +288,7 @@ class LayerSummary:
         if math.isnan(thickness):
             return None
         inputs = with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
-        found = Layered.of(inputs, "first_order")
+        found = Layered(inputs, "first_order")
         return cls(
             thickness=thickness,
             thickness_std=std,

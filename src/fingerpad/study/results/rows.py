@@ -152,7 +152,7 @@ class _Batch:
         )
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
         inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
-        self.modelled = Modelled.of(inputs, study.uncertainty)
+        self.modelled = Modelled(inputs, study.uncertainty)
         answered = self.modelled.answered
         for place in sound[~answered]:
             reasons[place] = "the model has no finite answer for these values; check their units"

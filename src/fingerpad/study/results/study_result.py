@@ -292,7 +292,6 @@ def _checks(
             ),
             work=partial(_checked, one),
             inputs=(),
-            pictures=0,
         )
         for one in highest_load
         if one is not None

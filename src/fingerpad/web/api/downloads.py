@@ -70,7 +70,7 @@ def bundle(opened: Opened) -> BundleContents:
 
 def _bundle(opened: StudySession) -> Bundle:
     loaded = opened.read()
-    return Bundle.of(opened.folder, opened.out, loaded.files(), loaded.study.observations_csv)
+    return Bundle(opened.folder, opened.out, loaded.files(), loaded.study.observations_csv)
 
 
 def _zipped(opened: StudySession) -> Response:
