@@ -369,23 +369,20 @@ def _require_list(listed: Any, where: str, name: str) -> None:
 
 def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Table]]:
     """Return the study without its lists of tables, and what is wrong at the top level."""
-    parts: dict[Kind, tuple[str, Any]] = {
-        "study": ("", {key: value for key, value in document.items() if key not in TABLES}),
-        **{name: (name, document.get(name, {})) for name in SECTIONS},
-    }
     found, wrong = {}, []
-    for kind, (place, content) in parts.items():
+    models: dict[Kind, type[ManifestModel]] = {"study": Study, **SECTIONS}
+    for kind, model in models.items():
+        place = kind if kind in SECTIONS else ""
+        content = document.get(kind, {}) if place else {k: v for k, v in document.items() if k not in TABLES}
         _, faults = checked(MODELS[kind], content, strict=True)
         if faults:
             wrong.append(
                 Table(kind=kind, key="", content=content, file=path.name, key_path=place, faults=faults)
             )
         bad = {fault.key_path for fault in faults}
-        fields = SECTIONS.get(kind, Study).model_fields
-        found[kind] = {key: value for key, value in content.items() if key in fields and key not in bad}
-    title = {"title": path.absolute().parent.name}
+        found[kind] = {key: of for key, of in content.items() if key in model.model_fields and key not in bad}
     sections: dict[str, Any] = {name: model(**found[name]) for name, model in SECTIONS.items()}
-    return Study(**{**title, **found["study"], **sections}), wrong
+    return Study(**{"title": path.absolute().parent.name, **found["study"], **sections}), wrong
 
 
 def _tables(document: Mapping[str, Any], file: str) -> Iterator[Table]:

@@ -223,16 +223,6 @@ class PhotographItem(OneTaskItem[Photograph]):
         )
 
 
-def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
-    """Return the photographs of a finger that are pictures and not rejected."""
-    named = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
-    return [
-        PhotographItem(context=context, name=name, finger=finger, table=one)
-        for name, one in named
-        if not context.is_rejected(name)
-    ]
-
-
 def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunContext) -> FingerResult:
     """Return a finger's semi-axes, from what the store holds of its photographs where none are given.
 
