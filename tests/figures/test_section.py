@@ -18,7 +18,9 @@ from fingerpad.figures import (
     section_figure,
     svg,
 )
-from fingerpad.figures.marks import Points, Rule, Text
+from fingerpad.figures.marks import Line, Points, Rule, Text
+from fingerpad.figures.publish import FigureSettings, figure_colours, with_settings
+from fingerpad.figures.style import BLUE, GREY, VERMILLION
 from fingerpad.geometry import Ellipsoid, Placement
 
 PLACEMENT = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
@@ -104,6 +106,17 @@ def test_receptors_are_named_in_order_and_apart():
     places = [mark.y for mark in named.values()]
     assert places[1] - places[0] >= 1.5
     assert places[0] == 0.85
+
+
+def test_colours_to_choose_are_few_and_contours_keep_theirs():
+    figure = section_figure(layer_field(), hertz=hertz_field(), points=21, levels=9)
+    assert figure_colours(figure) == [BLUE, GREY, VERMILLION]
+    wanted = with_settings(figure, FigureSettings(colours=("black",), width_mm=60))
+    before, after = (
+        [mark.face for mark in one.panels[1].marks if isinstance(mark, Line)] for one in (figure, wanted)
+    )
+    assert before == after
+    assert wanted.panels[0].place == figure.panels[0].place
 
 
 @pytest.mark.parametrize("width", [85.0, 170.0])

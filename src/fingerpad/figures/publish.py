@@ -200,11 +200,19 @@ def _set_axis(
 
 
 def figure_colours(figure: Figure) -> list[str]:
-    """Return the colours of the data of a figure, in the order in which they are drawn."""
+    """Return the colours of the data of a figure, in the order in which they are drawn.
+
+    What fills a line is not among them: each area between contours has its own.
+    """
     other = Rule | Text | Picture
     marks = (mark for panel in figure.panels for mark in panel.marks if not isinstance(mark, other))
-    found = dict.fromkeys(colour for mark in marks for colour in _colours(mark).values())
-    return [colour for colour in found if colour not in _NEUTRAL]
+    every = (
+        colour
+        for mark in marks
+        for name, colour in _colours(mark).items()
+        if not (isinstance(mark, Line) and name == "face")
+    )
+    return [colour for colour in dict.fromkeys(every) if colour not in _NEUTRAL]
 
 
 def figure_csv(figure: Figure) -> str:
