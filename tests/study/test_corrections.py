@@ -69,11 +69,11 @@ def test_who_corrected_pooling_stays_whoever_corrects_later(log):
     said(log, "print_1", {"pooling": out}, who="anna")
     said(log, "print_1", {"pooling": out, "threshold": 20}, who="ben")
     rules = log.active_correction("print_1")
-    assert (rules.who, rules.pooling_who) == ("ben", "anna")
-    assert rules.pooling_when == log.history("print_1").records[1].when
+    assert (rules.who, rules.pooling.who) == ("ben", "anna")
+    assert rules.pooling.when == log.history("print_1").records[1].when
     assert rules.change.edits == {"threshold": 20}
     said(log, "print_1", {"threshold": 20}, who="ben")
-    assert log.active_correction("print_1").pooling_who == ""
+    assert log.active_correction("print_1").pooling is None
 
 
 def test_items_of_all_kinds(log):

@@ -13,7 +13,7 @@ from tests.study.measured import AXES, measured, pad
 
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
@@ -286,7 +286,8 @@ def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts):
 def test_a_person_decides_what_flags_would(flags, wanted, rejected, counts):
     pooling = None if wanted is None else {"include": wanted, "why": "seen"}
     change = ContactCorrection.model_validate({"pooling": pooling, "rejected": rejected})
-    said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling_who="A" if pooling else "")
+    by_a = CorrectedPooling(**pooling, who="A", when="") if pooling else None
+    said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling=by_a)
     where, measured = contact(1, flags=flags)
     rows = modelled(contact(0), (where, reviewed(measured, said)))
     row = rows.table.iloc[1]

@@ -197,8 +197,8 @@ def test_a_coin_is_a_scale(client):
     coin = render_coin(radius=120, seed=3)
     file = upload(client, "coin.png", cv2.imencode(".png", coin.pixels)[1].tobytes()).json()["file"]
     found = client.tell("measure/scale", table={"coin": file, "diameter_mm": 24.0})
-    assert found["coin"]["radius_px"]["value"] == pytest.approx(120, rel=0.01)
-    outline = np.array(found["coin"]["outline_px"])
+    assert found["radius_px"]["value"] == pytest.approx(120, rel=0.01)
+    outline = np.array(found["outline_px"])
     np.testing.assert_allclose(np.linalg.norm(outline - coin.centre, axis=1), 120, rtol=0.01)
     assert found["mm_per_px"]["value"] == pytest.approx(0.1, rel=0.01)
 

@@ -38,7 +38,7 @@ def upload(client, name, content, **query):
 
 
 def remove(client, name):
-    return client.request("DELETE", "/api/studies/demo/files", json={"file": name})
+    return client.delete("/api/studies/demo/files", params={"file": name})
 
 
 def test_an_uploaded_image_is_stored_and_described(client, studies_folder):
@@ -154,7 +154,7 @@ def test_a_removed_file_is_restored(client, studies_folder):
         assert "uploads/a.png" not in {file["file"] for file in client.ask("state")["files"]}
     assert not (folder / "a.png").exists()
     folder.rmdir()  # as of a sequence whose frames are all removed
-    names = [restore(number).json()["restored"] for number in removed]
+    names = [restore(number).json()["file"] for number in removed]
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a-3.png"]
     for level, name in enumerate(names, 1):
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
@@ -171,7 +171,7 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a.png"]
     removed = remove(client, "uploads/a.png").json()["removed"]
     assert upload(client, "a.png", png(level=3)).json()["file"] == "uploads/a.png"
-    restored = client.tell("files/restore", removed=removed)["restored"]
+    restored = client.tell("files/restore", removed=removed)["file"]
     assert restored not in {"uploads/a.png", "uploads/a-2.png"}
     for name, level in (("uploads/a.png", 3), ("uploads/a-2.png", 2), (restored, 1)):
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)

@@ -69,7 +69,6 @@ def _is_checked(value: object) -> bool:
 # Units by the ending of a key.
 UNITS: Final = {
     "mm_per_px": "mm/px",
-    "_per_mm": "mm⁻¹",
     "_mm2": "mm²",
     "_mm": "mm",
     "_kpa": "kPa",
@@ -135,13 +134,12 @@ class Fault(BaseModel):
 
 
 class Refusal(Answer):
-    """Why a request failed: `digest` where another window changed what it was about."""
+    """Why a request failed."""
 
     model_config = ConfigDict(extra="allow")
 
     error: str
     faults: list[Fault] = []
-    digest: str | None = None
 
 
 class RequestError(HTTPException):
@@ -187,15 +185,6 @@ def review_of(correction: ActiveCorrection | None) -> dict[str, Any]:
         "rejected": change.rejected,
         "who": correction.who,
     }
-
-
-class PoolingCorrectionRecord(Answer):
-    """A manual correction of whether a contact is pooled."""
-
-    include: bool
-    why: str
-    who: str
-    when: str
 
 
 def semi_axes(lengths: FloatArray, stds: FloatArray | None = None, unit: str = "mm") -> dict[Axis, Quantity]:

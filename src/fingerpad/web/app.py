@@ -3,15 +3,13 @@
 import hashlib
 import logging
 import os
-import shutil
 import signal
 import socket
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import distribution
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Final, NamedTuple
 
@@ -134,11 +132,16 @@ class Launch(NamedTuple):
 
 def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]) -> None:
     """Serve the page until it is interrupted, or ended by SIGTERM or SIGHUP; port 0 is any free one."""
-    listener = listening(port)
+    listener, access = listening(port), Access()
     page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}"
-    folder, access = _private_folder(), Access()
-    token_file = folder / "token"
-    _write_private(token_file, access.token)
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    # Only this user can enter it.
+    private = TemporaryDirectory(
+        prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None, ignore_cleanup_errors=True
+    )
+    token_file = Path(private.name) / "token"
+    token_file.touch(0o600, exist_ok=False)
+    token_file.write_text(f"{access.token}\n", encoding="ascii")
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -159,24 +162,20 @@ def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]
         server_header=False,
         timeout_graceful_shutdown=1,
     )
-    with listener, _exit_on_signals():
-        try:
-            with suppress(KeyboardInterrupt):  # the way to end it
-                Server(config).run(sockets=[listener])
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)  # first, as the end of a run may be interrupted too
-            workspace.close()
+    _leave_on_signals()
+    try:
+        # The token goes first, as the end of a run may be interrupted too.
+        with listener, private, suppress(KeyboardInterrupt):  # the way to end it
+            Server(config).run(sockets=[listener])
+    finally:
+        workspace.close()
 
 
-@contextmanager
-def _exit_on_signals() -> Iterator[None]:
+def _leave_on_signals() -> None:
     """Raise SystemExit on SIGTERM and SIGHUP, which would end the program without cleaning up.
 
     While Uvicorn serves, it handles SIGTERM itself, shuts down, and raises the signal again.
     """
-    if threading.current_thread() is not threading.main_thread():  # only there signals can be handled
-        yield
-        return
 
     def leave(number: int, _: FrameType | None) -> None:
         raise SystemExit(128 + number)
@@ -184,27 +183,10 @@ def _exit_on_signals() -> Iterator[None]:
     def hang_up(_: int, __: FrameType | None) -> None:
         signal.raise_signal(signal.SIGTERM)
 
-    before = {signal.SIGTERM: signal.signal(signal.SIGTERM, leave)}
+    signal.signal(signal.SIGTERM, leave)
     # Windows has no SIGHUP; nohup has it ignored.
     if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-        before[signal.SIGHUP] = signal.signal(signal.SIGHUP, hang_up)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _private_folder() -> Path:
-    """Return a new folder that this user alone can enter."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    return Path(mkdtemp(prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None))
-
-
-def _write_private(path: Path, text: str) -> None:
-    """Write a new file that this user alone can read."""
-    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
-        file.write(f"{text}\n")
+        signal.signal(signal.SIGHUP, hang_up)
 
 
 def listening(port: int) -> socket.socket:

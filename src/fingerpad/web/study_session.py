@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from threading import Lock
@@ -274,28 +274,27 @@ class StudySession:
             return self._counts.get(key, lambda: open_frames(path, memory_limit=limit).count)
         return None
 
-    def files(self) -> dict[str, os.stat_result]:
-        """Return all files of the study folder except results, by their relative names."""
+    def files(self) -> dict[str, int]:
+        """Return the sizes of all files of the study folder except results, by their relative names."""
         return dict(sorted(self._scanned()[0].items()))
 
-    def _scanned(self) -> tuple[dict[str, os.stat_result], dict[Path, Stamp]]:
+    def _scanned(self) -> tuple[dict[str, int], dict[Path, Stamp]]:
         """Return these files, and the folders that hold them with their stamps."""
-        found: dict[str, os.stat_result] = {}
-        folders: dict[Path, Stamp] = {}
-        waiting = [self.folder]
-        while waiting and len(found) < _MOST_FILES:
-            here = waiting.pop()
-            folders[here] = _stamp_of(here)
-            for entry in _entries(here):
-                path = Path(entry.path)
-                if entry.is_dir(follow_symlinks=False):
-                    if path != self.out and not (path / STORE_NAME).is_file():  # of a run
-                        waiting.append(path)
-                elif entry.is_file(follow_symlinks=False):
-                    name = path.relative_to(self.folder).as_posix()
-                    if name not in _OWN:
-                        found[name] = entry.stat(follow_symlinks=False)
-        return found, folders
+        sizes: dict[str, int] = {}
+        stamps = {self.folder: _stamp_of(self.folder)}
+        for here, folders, names in os.walk(self.folder):
+            place = Path(here)
+            inner = [place / name for name in folders if not name.startswith(".")]
+            inner = [path for path in inner if path != self.out and not (path / STORE_NAME).is_file()]
+            stamps |= {path: _stamp_of(path) for path in inner}
+            folders[:] = [path.name for path in inner]
+            for path in (place / name for name in names if not name.startswith(".")):
+                name = path.relative_to(self.folder).as_posix()
+                if name not in _OWN and not path.is_symlink() and (stamp := _stamp_of(path)):
+                    sizes[name] = stamp[0]
+            if len(sizes) >= _MOST_FILES:
+                break
+        return sizes, stamps
 
     def file(self, name: str) -> Path:
         """Return the path of a file of the study, if it is one."""
@@ -402,12 +401,3 @@ def _stamp_of(path: Path) -> Stamp:
     except (OSError, ValueError):
         return None
     return status.st_size, status.st_mtime_ns, status.st_ino
-
-
-def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """Yield the entries of a folder that are not hidden."""
-    try:
-        with os.scandir(folder) as entries:
-            yield from (entry for entry in entries if not entry.name.startswith("."))
-    except OSError:
-        return  # removed in the meantime

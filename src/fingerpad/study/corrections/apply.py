@@ -79,8 +79,7 @@ def frame_corrections(
                     item=f"{sequence}#{frame}",
                     change=_between(one, other, (frame - first) / (last - first)),
                     picture="",
-                    pooling_who="",
-                    pooling_when="",
+                    pooling=None,
                 )
     return found
 

@@ -8,7 +8,7 @@ changes. Automatic measurements are neither kept here nor overwritten.
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import takewhile
@@ -62,6 +62,16 @@ class Record(BaseModel):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectedPooling:
+    """Whether a contact is pooled as a person wants it, and who said so first, and when."""
+
+    include: bool
+    why: str
+    who: str
+    when: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ActiveCorrection:
     """The active correction of an item."""
 
@@ -70,8 +80,7 @@ class ActiveCorrection:
     who: str
     when: str
     picture: str = ""
-    pooling_who: str = ""
-    pooling_when: str = ""
+    pooling: CorrectedPooling | None = None
 
 
 def is_rejected(active_correction: ActiveCorrection | None) -> bool:
@@ -110,17 +119,13 @@ class History:
             return None
         record = changes[place - 1]
         where = f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
-        pooling = record.change.get("pooling")
-        # Said by the first of those that say the same of it without a break.
-        same = list(takewhile(lambda one: one.change.get("pooling") == pooling, reversed(changes[:place])))
         return ActiveCorrection(
             item=self.item,
             change=checked_change(self.item, record.change, where),
             who=record.who,
             when=record.when,
             picture=record.picture,
-            pooling_who=same[-1].who if pooling else "",
-            pooling_when=same[-1].when if pooling else "",
+            pooling=_pooling(changes[:place]),
         )
 
     def _place(self) -> tuple[list[Record], int]:
@@ -136,6 +141,15 @@ class History:
             else:
                 place = min(len(changes), place + 1)
         return changes, place
+
+
+def _pooling(changes: Sequence[Record]) -> CorrectedPooling | None:
+    """Return what the last change says of pooling, by the one that set it; None where it says nothing."""
+    if (wanted := changes[-1].change.get("pooling")) is None:
+        return None
+    same = takewhile(lambda record: record.change.get("pooling") == wanted, reversed(changes))
+    *_, first = same
+    return CorrectedPooling(**wanted, who=first.who, when=first.when)
 
 
 ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]

@@ -156,7 +156,7 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
     if rejected is not None:
         verdict = "rejected"
     by = "manual" if "ellipse_px" in edits else "corrected"
-    pooling = change.pooling if isinstance(change, ContactCorrection) else None
+    pooling = active_correction.pooling
     return replace(
         measured,
         reviewed=verdict,
@@ -165,7 +165,7 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
         rejected=rejected,
         counts=measured.counts and rejected is None,
         pooling=pooling.include if pooling else None,
-        pooling_corrected_by=active_correction.pooling_who if pooling else None,
+        pooling_corrected_by=pooling.who if pooling else None,
         pooling_reason=pooling.why if pooling else None,
     )
 

@@ -20,7 +20,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import Message, Receive, Scope, Send
 
 from fingerpad._json import dumps
-from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.exceptions import CorrectionConflict, EditConflict, FingerpadError, ManifestError
 from fingerpad.study.manifest.models import Pixel
 from fingerpad.web.answers import Refusal, RequestError
 from fingerpad.web.study_session import StudySession
@@ -143,7 +143,8 @@ async def _failed(_: Request, error: Exception) -> Response:
         words = f"{file}{error.strerror}"
     if isinstance(error, ManifestError):
         more["faults"] = [_fault(line) for line in words.splitlines()]
-    return _words(HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)
+    another = isinstance(error, CorrectionConflict | EditConflict)
+    return _words(HTTPStatus.CONFLICT if another else HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)
 
 
 def _fault(line: str) -> dict[str, str]:

@@ -25,12 +25,11 @@ from fingerpad.study.corrections.apply import (
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import parts_of_item
+from fingerpad.study.corrections.log import CorrectedPooling, parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
     Measurement,
-    doubts_of,
     excluding_flags,
     from_contact_image,
     is_pooled,
@@ -44,13 +43,11 @@ from fingerpad.web.answers import (
     Answer,
     MeasuredBy,
     Point,
-    PoolingCorrectionRecord,
     Quantity,
     RequestError,
     quantities,
 )
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
-from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.pictures import Cache, ImageLocation
@@ -61,7 +58,6 @@ _AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(5
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50)
 # A sequence may have thousands of frames: some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
-
 
 _MEASURED: Final = (
     *("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2", "ridge_period_mm"),
@@ -91,7 +87,7 @@ class ContactPooling(Answer):
 
     pooled: bool
     excluding_flags: list[str]
-    correction: PoolingCorrectionRecord | None
+    correction: CorrectedPooling | None
 
 
 class ContactMeasurement(Answer):
@@ -164,7 +160,7 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
         automatic_error=error,
         model=model,
         waits=waits,
-        flags=[*doubts_of(seen), *image.found.flags],
+        flags=measured.flags,
         pooling=model and image.pooling(measured, model),
     )
 
@@ -284,12 +280,15 @@ class _Image:
             finger = measured_finger(self.opened, self.contact.finger)
         except FingerpadError:  # said where the photographs are
             return None
-        load = getattr(self.contact, "load_N", None) or self._load_of_frame()
+        found, load = self.opened.results(), getattr(self.contact, "load_N", None)
+        if load is None and found is not None:
+            frame = first_record(found.table[found.table["observation"] == self.item])
+            load = frame and frame["load_N"]
         if finger is None or load is None:
             return None
         study, loaded = self.opened.study(), replace(measured, load_N=load)
         row = model_contact(study, finger, self.contact, loaded, _MODEL_COLUMNS)
-        placement, found = tuple(row[name] for name in PLACEMENT), self.opened.results()
+        placement = tuple(row[name] for name in PLACEMENT)
         summaries = found.summary.summaries if found else []
         headlines = next((one.validity.headlines for one in summaries if one.key == placement), {})
         for name in HEADLINES:
@@ -303,21 +302,15 @@ class _Image:
             verdicts={name: one.verdict for name, one in headlines.items()},
         )
 
-    def _load_of_frame(self) -> float | None:
-        found = self.opened.results()
-        row = found and first_record(found.table[found.table["observation"] == self.item])
-        return row["load_N"] if row else None
-
     def pooling(self, measured: Measurement, model: ContactModel) -> ContactPooling | None:
         """Return whether a contact will be pooled; None of frames, for which other rules hold."""
         if isinstance(self.contact, ContactSequence):
             return None
         active = self.opened.corrections.active_correction(self.item)
-        seen = reviewed(measured, active)
-        plausible = IMPLAUSIBLE_SIZE not in model.range_notes
+        seen, plausible = reviewed(measured, active), IMPLAUSIBLE_SIZE not in model.range_notes
         excluding = excluding_flags(self.contact, seen, plausible=plausible)
         return ContactPooling(
             pooled=is_pooled(seen, excluding),
             excluding_flags=sorted(excluding),
-            correction=pooling_correction(active),
+            correction=active.pooling if active else None,
         )

@@ -7,11 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import (
-    ActiveCorrection,
+    CorrectedPooling,
     CorrectionLog,
     Record,
     kind_of,
@@ -21,7 +20,7 @@ from fingerpad.study.corrections.log import (
 )
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
-from fingerpad.web.answers import Answer, PoolingCorrectionRecord, RequestError, Review, review_of
+from fingerpad.web.answers import Answer, Review, review_of
 from fingerpad.web.api.base import Body, Item, Opened, Params, Query, router
 from fingerpad.web.events import CorrectionsEvent
 from fingerpad.web.study_session import StudySession
@@ -35,7 +34,7 @@ class Corrections(Answer):
     item: str
     last_id: int
     change: dict[str, Any]
-    pooling: PoolingCorrectionRecord | None
+    pooling: CorrectedPooling | None
     on_another_image: bool
     can_undo: bool
     can_redo: bool
@@ -108,17 +107,10 @@ def _corrections(opened: StudySession, params: ItemParams) -> Corrections:
     return Corrections.of(
         history,
         change=active.change.as_json() if active else {},
-        pooling=pooling_correction(active),
+        pooling=active.pooling if active else None,
         on_another_image=bool(active and on_another_image({params.item: active}, opened.picture_digest)),
         history=history.records,
     )
-
-
-def pooling_correction(active: ActiveCorrection | None) -> PoolingCorrectionRecord | None:
-    """Return the correction of a contact's pooling, None without one."""
-    if active is None or not isinstance(active.change, ContactCorrection) or active.change.pooling is None:
-        return None
-    return PoolingCorrectionRecord.of(active.change.pooling, who=active.pooling_who, when=active.pooling_when)
 
 
 @router.get("/corrections")
@@ -157,11 +149,7 @@ def redo(opened: Opened, params: Body[StepParams]) -> Corrections:
 
 def _saved(opened: StudySession, params: StepParams, save: Callable[..., object]) -> Corrections:
     """Save a step, tell every window of it, and return the corrections of the item."""
-    try:
-        save(params.item, who=params.who, expected=params.expected)
-    except CorrectionConflict as conflict:
-        now = _corrections(opened, params)
-        raise RequestError.conflict(str(conflict), latest=conflict.latest, corrections=now) from conflict
+    save(params.item, who=params.who, expected=params.expected)
     found = _corrections(opened, params)
     opened.events.send(CorrectionsEvent(item=params.item, last_id=found.last_id))
     return found

@@ -100,21 +100,16 @@ class FigureEntry(Answer):
     settable: bool
 
 
-class FigureAxis(Answer):
-    """An axis of a figure; it can be set where all panels show one quantity on it."""
-
-    axis: Literal["x", "y"]
-    name: str
-    settable: bool
-
-
 class FigureDetails(Answer):
-    """What can be set of a figure, as it is in the report."""
+    """What can be set of a figure, as it is in the report.
+
+    Of the axes it is those on which all panels show one quantity, whose name is given.
+    """
 
     width_mm: float
     height_mm: float
     colours: list[str]
-    axes: list[FigureAxis]
+    axes: dict[Literal["x", "y"], str]
 
 
 class FigureFileParams(Params):
@@ -173,14 +168,11 @@ def figures(opened: Opened) -> list[FigureEntry]:
 def figure(opened: Opened, name: str) -> FigureDetails:
     """Return what can be set of a figure, as it is in the report."""
     found = _figure(opened, name)
-    labels: dict[Literal["x", "y"], list[str]] = {
-        "x": [panel.x.label for panel in found.panels],
-        "y": [panel.y.label for panel in found.panels],
+    labels = {
+        "x": {plain_text(panel.x.label) for panel in found.panels},
+        "y": {plain_text(panel.y.label) for panel in found.panels},
     }
-    axes = [
-        FigureAxis(axis=axis, name=plain_text(of[0]), settable=len(set(of)) == 1)
-        for axis, of in labels.items()
-    ]
+    axes = {axis: name for axis, names in labels.items() if len(names) == 1 for name in names if name}
     return FigureDetails.of(found, colours=figure_colours(found), axes=axes)
 
 

@@ -54,12 +54,6 @@ class UploadedFile(Answer):
     columns: list[str] | None = None
 
 
-class RemoveParams(Params):
-    """A file of the study, by its name."""
-
-    file: Item
-
-
 class RestoreParams(Params):
     """Number of a removed file."""
 
@@ -70,12 +64,6 @@ class Removal(Answer):
     """The number by which a removed file can be restored."""
 
     removed: str
-
-
-class Restoration(Answer):
-    """The name of a restored file."""
-
-    restored: str
 
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
@@ -145,17 +133,15 @@ async def import_study(workspace: Here, request: Request, file: _Name = "", name
 
 
 @router.delete("/files")
-def remove(opened: Opened, params: Body[RemoveParams]) -> Removal:
+def remove(opened: Opened, file: Item) -> Removal:
     """Move an uploaded file that is not used into a hidden folder."""
-    path = opened.file(params.file)
+    path = opened.file(file)
     named = opened.read().files()
     used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
     if not used.isdisjoint((path.resolve(), *path.resolve().parents)):
-        raise RequestError.conflict(f"{params.file}: the study names this file: remove what names it first")
-    if not params.file.startswith(f"{FOLDER}/"):
-        raise RequestError.conflict(
-            f"{params.file}: only files that were dropped on the page are removed by it"
-        )
+        raise RequestError.conflict(f"{file}: the study names this file: remove what names it first")
+    if not file.startswith(f"{FOLDER}/"):
+        raise RequestError.conflict(f"{file}: only files that were dropped on the page are removed by it")
     number = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{uuid4().hex[:8]}"
     kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
     kept.parent.mkdir(parents=True)
@@ -164,7 +150,7 @@ def remove(opened: Opened, params: Body[RemoveParams]) -> Removal:
 
 
 @router.post("/files/restore")
-def restore(opened: Opened, params: Body[RestoreParams]) -> Restoration:
+def restore(opened: Opened, params: Body[RestoreParams]) -> UploadedFile:
     """Restore a removed file, under another name if its own is taken."""
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)
@@ -174,7 +160,7 @@ def restore(opened: Opened, params: Body[RestoreParams]) -> Restoration:
     target.parent.mkdir(parents=True, exist_ok=True)
     back = placed(kept, target)
     shutil.rmtree(home, ignore_errors=True)
-    return Restoration(restored=back.relative_to(opened.folder).as_posix())
+    return _described(opened, back)
 
 
 def plain_name(name: str) -> str:

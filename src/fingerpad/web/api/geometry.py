@@ -19,17 +19,11 @@ from fingerpad.web.study_session import StudySession
 _MARKED_DEG: Final = (0, 30, 45, 60, 90)
 
 
-class Wedge(Answer):
-    """The wedge as a solid: each edge is an edge of two faces, which go along it in opposite directions."""
-
-    vertices_mm: list[Point3D]
-    faces: list[list[int]]
-
-
 class PadGeometry(Answer):
     """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw.
 
-    `points_mm` are those of the midline at parametric angles u in degrees.
+    `points_mm` are those of the midline at parametric angles u in degrees. Each edge of the wedge is that of
+    two faces, which go along it in opposite directions.
     """
 
     semi_axes_mm: dict[Axis, Quantity]
@@ -45,7 +39,8 @@ class PadGeometry(Answer):
     mesh_mm: list[list[Point3D]]
     lines_mm: dict[str, list[Point3D]]
     platen_mm: list[Point3D]
-    wedge: Wedge
+    wedge_mm: list[Point3D]
+    wedge_faces: list[list[int]]
     points_mm: dict[str, Point3D]
 
 
@@ -146,8 +141,6 @@ def _drawn(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
         },
         "platen_mm": point
         + size * np.stack([-along - across, along - across, along + across, across - along]),
-        "wedge": {
-            "vertices_mm": np.stack(sides),
-            "faces": [[2, 0, 1, 3], [4, 2, 3, 5], [0, 4, 5, 1], [0, 2, 4], [1, 5, 3]],
-        },
+        "wedge_mm": np.stack(sides),
+        "wedge_faces": [[2, 0, 1, 3], [4, 2, 3, 5], [0, 4, 5, 1], [0, 2, 4], [1, 5, 3]],
     }

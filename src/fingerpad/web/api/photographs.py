@@ -12,7 +12,6 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
-    SEMI_AXES,
     FaceSemiAxes,
     PhotographFit,
     combine_faces,
@@ -49,43 +48,27 @@ from fingerpad.web.study_session import StudySession
 
 _FITS: Final[Cache[PhotographFit | FingerpadError]] = Cache(120)
 _outline_radii: Final = lru_cache(maxsize=120)(outline_radii)  # once for each fit that is kept
+_RADII: Final = ("wedge_angle_deg", "outline_mm", "ellipse_mm")
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
-class FaceDifference(Answer):
-    """By how much a face's semi-axes exceed those of all faces, relative to these; null where it has none."""
-
-    item: str
-    face: Face
-    palmar: float | None
-    distal: float | None
-    radial_ulnar: float | None
-
-
 class CombinedFaces(Answer):
-    """The semi-axes that all faces of a finger give."""
+    """The semi-axes that all faces of a finger give, and by how much those of each exceed them, relative."""
 
     semi_axes_mm: dict[Axis, Quantity]
     chi_square: float
     degrees_of_freedom: int
     p_words: str
     disagree: bool
-    disagreements: list[FaceDifference]
-
-
-class SideRadius(Answer):
-    """Radii of curvature of a side face where a wedge touches: of the outline itself, and of the ellipse."""
-
-    wedge_angle_deg: Quantity
-    outline_mm: Quantity
-    ellipse_mm: Quantity
+    disagreements: list[tuple[Face, dict[Axis, float]]]
 
 
 class PhotographMeasurement(Answer):
     """A photograph measured under a correction; the terms of its uncertainty in words.
 
-    `handles_px` are the centre and the ends of the semi-axes across and along.
+    `handles_px` are the centre and the ends of the semi-axes across and along, `radii` those of a side face
+    where a wedge touches, of the outline itself and of the ellipse.
     """
 
     by: MeasuredBy
@@ -97,7 +80,7 @@ class PhotographMeasurement(Answer):
     uncertainty_words: dict[Axis, str]
     arc_deg: Quantity
     exponent: Quantity
-    radii: list[SideRadius]
+    radii: list[dict[str, Quantity]]
     tilt_deg: Quantity
     flags: list[str]
     mm_per_px: float
@@ -147,7 +130,7 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
         outliers_px=fit.outliers.round(2),
         uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
         semi_axes_mm=_axes(fit),
-        radii=[SideRadius.of(one) for one in fit.side_radii()],
+        radii=[quantities(one.get, _RADII) for one in fit.side_radii()],
         tilt_deg=tilt,
         flags=sorted(fit.flags),
         mm_per_px=size,
@@ -243,10 +226,7 @@ def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFi
         found,
         semi_axes_mm=semi_axes(found.semi_axes, found.stds),
         p_words=p_words(found.p_value),
-        disagreements=[
-            {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}
-            for item, face, off in zip(faces, found.faces, found.disagreements, strict=True)
-        ],
+        disagreements=list(zip((one.face for one in found.faces), found.disagreements, strict=True)),
     )
 
 

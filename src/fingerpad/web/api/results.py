@@ -14,24 +14,22 @@ from pydantic import Field
 from fingerpad._arrays import BoolArray
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS
-from fingerpad.published import AuditItem, audit
+from fingerpad.published import audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
-from fingerpad.study.corrections.log import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
 from fingerpad.web.answers import (
     Answer,
     Cell,
-    PoolingCorrectionRecord,
     Quantity,
     RequestError,
     unit_of,
     with_unit,
 )
 from fingerpad.web.api.base import Opened, Params, Query, here, router
-from fingerpad.web.api.corrections import pooling_correction
 
 _MOST_IN_QUESTION: Final = 200
 
@@ -75,7 +73,7 @@ class PooledContact(Answer):
     load_N: float | None  # noqa: N815
     pooled: bool
     why: str
-    correction: PoolingCorrectionRecord | None
+    correction: CorrectedPooling | None
 
 
 class Pooling(Answer):
@@ -92,19 +90,12 @@ class Pooling(Answer):
     in_question: list[PooledContact]
 
 
-class CheckWords(Answer):
-    """A check of the model, in words."""
-
-    verdict: str
-    words: str
-
-
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
 
     `points` are the columns that are plotted against the load of each item, `doubts` the limits of the
     model that rows are beyond. `radius_verdict` is that of the corrected radius, `radius_of_model`
-    whether its standard uncertainty holds what the model leaves uncertain.
+    whether its standard uncertainty holds what the model leaves uncertain. `checks` are verdicts and words.
     """
 
     radius_from_indentation_mm: Quantity
@@ -118,7 +109,7 @@ class PlottedGroup(Group):
     points: dict[str, list[Quantity]]
     doubts: list[str]
     verdict: str
-    checks: list[CheckWords]
+    checks: list[tuple[str, str]]
     pooling: Pooling
 
 
@@ -144,7 +135,7 @@ class AuditedNumber(Answer):
 
 
 class RowsParams(Params):
-    """Filters, order and columns of rows."""
+    """Filters and order of rows."""
 
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
     limit: Annotated[int, Field(ge=1, le=2000)] = 100
@@ -155,7 +146,6 @@ class RowsParams(Params):
     sequence: str | None = None
     text: Annotated[str, Field(max_length=200)] = ""
     wedge_angle_deg: float | None = None
-    columns: Annotated[str, Field(max_length=4000)] = ""
 
 
 @router.get("/results/rows")
@@ -168,10 +158,7 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
         if key not in found.table:
             raise RequestError.impossible(f"no column is named {key!r}")
         chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
-    # A standard uncertainty stands beside its number, unless it is asked for.
-    columns = [name for name in params.columns.split(",") if name in found.table] or [
-        name for name in found.table if name not in _STDS
-    ]
+    columns = [name for name in found.table if name not in _STDS]  # those stand beside their numbers
     layered = any(finger.effective_thickness_mm is not None for finger in opened.study().fingers)
     shown = chosen[params.offset : params.offset + params.limit]
     cells = zip(items(shown["observation"]), records(shown, *_with_stds(columns)), strict=True)
@@ -290,7 +277,7 @@ def _group(of: PlacementRecord, placed: list[Row], active: Mapping[str, ActiveCo
             if code in codes
         ],
         verdict=of.validity.verdict,
-        checks=[CheckWords(verdict=one.verdict, words=check_words(one)) for one in of.validity.checks],
+        checks=[(one.verdict, check_words(one)) for one in of.validity.checks],
         radius_verdict=radius.verdict,
         radius_of_model=not math.isnan(radius.model_std),
         radius_from_indentation_mm_total_std=radius.total_std,
@@ -310,13 +297,11 @@ def _pooling(rows: list[Row], rejected: int, active: Mapping[str, ActiveCorrecti
     `rejected` is the number of the group's contacts that a person rejected.
     """
     contacts, frames = ([row for row in rows if (row["frame"] is None) is one] for one in (True, False))
-    corrections = {
-        item: pooling_correction(active.get(item)) for item in (row["observation"] for row in contacts)
-    }
+    corrections = {item: one.pooling for item, one in active.items()}
     asked = (
         row
         for row in contacts
-        if not row["pooled"] or row["excluding_flags"] or corrections[row["observation"]]
+        if not row["pooled"] or row["excluding_flags"] or corrections.get(row["observation"])
     )
     return Pooling(
         contacts=len(contacts) + rejected,
@@ -325,13 +310,9 @@ def _pooling(rows: list[Row], rejected: int, active: Mapping[str, ActiveCorrecti
         frames=len(frames),
         frames_pooled=sum(row["pooled"] for row in frames),
         in_question=[
-            PooledContact.of(
-                row,
-                item=row["observation"],
-                why=pooling_words(row),
-                correction=corrections[row["observation"]],
-            )
+            PooledContact.of(row, item=item, why=pooling_words(row), correction=corrections.get(item))
             for row in islice(asked, _MOST_IN_QUESTION)
+            for item in [row["observation"]]
         ],
     )
 
@@ -354,17 +335,17 @@ def budget(opened: Opened) -> list[BudgetGroup]:
 @here.get("/published")
 def published() -> list[AuditedNumber]:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return [_audited(item) for item in audit()]
 
+    def words(value: float | None, unit: str) -> str:
+        return "–" if value is None else with_unit(value_with_uncertainty(value), unit)
 
-def _audited(item: AuditItem) -> AuditedNumber:
-    def words(value: float | None) -> str:
-        return "–" if value is None else with_unit(value_with_uncertainty(value), item.unit)
-
-    return AuditedNumber.of(
-        item,
-        printed="–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit),
-        computed=words(item.computed),
-        range="–" if item.low is None else f"{value_with_uncertainty(item.low)} to {words(item.high)}",
-        with_misprint=words(item.with_misprint),
-    )
+    return [
+        AuditedNumber.of(
+            item,
+            printed="–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit),
+            computed=words(item.computed, item.unit),
+            range="–" if item.low is None else f"{words(item.low, '')} to {words(item.high, item.unit)}",
+            with_misprint=words(item.with_misprint, item.unit),
+        )
+        for item in audit()
+    ]

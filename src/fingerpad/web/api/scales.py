@@ -20,13 +20,6 @@ from fingerpad.web.study_session import StudySession
 _FOUND: Final[Cache[FoundScale | str]] = Cache(100)
 
 
-class CoinOutline(Answer):
-    """A coin found in a picture."""
-
-    outline_px: list[Point]
-    radius_px: Quantity
-
-
 class GridMeasurement(Answer):
     """A grid found in a picture, how far it is from flat, and the scale of rectified pictures."""
 
@@ -39,13 +32,14 @@ class GridMeasurement(Answer):
 
 
 class ScaleMeasurement(Answer):
-    """The scale that a table gives."""
+    """The scale that a table gives, and the coin or grid that was found in its picture."""
 
     mm_per_px: Quantity
     relative_std: float
     resolution_ppi: Quantity
     flags: list[str]
-    coin: CoinOutline | None
+    outline_px: list[Point] | None
+    radius_px: Quantity | None
     grid: GridMeasurement | None
 
 
@@ -92,59 +86,48 @@ class ScaleParams(Params):
 
 @router.post("/measure/scale")
 def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
-    """Return the scale that a table means."""
-    table = params.table
-    coin = grid = None
+    """Return the scale that a table means, and what it was found by in its picture."""
+    table, grid = params.table, None
+    ellipse: ImageEllipse | None = None
+    radius: dict[str, float] = {}
     if isinstance(table, CoinScale):
         place = ImageLocation(opened.file(table.coin))
         coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place)))
         found = FoundScale(scale=coin.scale(table.diameter_mm, table.diameter_mm_std), flags=coin.flags)
+        axes = coin.semi_major, coin.semi_minor
+        ellipse = ImageEllipse(centre=coin.centre, semi_axes=axes, orientation=coin.orientation)
+        radius = {"radius_px": coin.semi_major, "radius_px_std": coin.semi_major_std}
     elif isinstance(table, GridScale):
-        grid = _measured_grid(opened, table)
-        found = FoundScale(scale=grid.scale, flags=grid.flags)
+        seen = _measured_grid(opened, table)
+        found = FoundScale(scale=seen.scale, flags=seen.flags)
+        grid = GridMeasurement.of(
+            seen,
+            points_px=seen.points.reshape(-1, 2).round(2),
+            residual_px=seen.residual,
+            rectified_mm_per_px=seen.rectified_scale.mm_per_px,
+            rectified_mm_per_px_std=seen.rectified_scale.mm_per_px_std,
+        )
     else:
         found = scale_of(opened, table)
+        if isinstance(table, CircleScale):
+            (row, column), size, weights = circle_through([(row, column) for row, column in table.circle])
+            ellipse = ImageEllipse(centre=(float(row), float(column)), semi_axes=(size, size))
+            std = table.points_px_std * float(np.linalg.norm(weights))
+            radius = {"radius_px": size, "radius_px_std": std}
     return ScaleMeasurement.of(
         found.scale,
         resolution_ppi=found.scale.ppi,
         flags=found.flags,
-        coin=_circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
-        grid=grid and _grid(grid),
+        outline_px=ellipse and ellipse.points(_OUTLINE_POINTS).round(2),
+        radius_px=Quantity.read(radius.get, "radius_px") if radius else None,
+        grid=grid,
     )
 
 
 def _measured_grid(opened: StudySession, table: GridScale) -> Grid:
     place = ImageLocation(opened.file(table.grid))
-    return _GRIDS.get(
-        (place.stamp, table.model_dump_json()), lambda: grid_of(table, opened.pictures.grey(place))
-    )
-
-
-def _grid(grid: Grid) -> GridMeasurement:
-    return GridMeasurement.of(
-        grid,
-        points_px=grid.points.reshape(-1, 2).round(2),
-        residual_px=grid.residual,
-        rectified_mm_per_px=grid.rectified_scale.mm_per_px,
-        rectified_mm_per_px_std=grid.rectified_scale.mm_per_px_std,
-    )
-
-
-def _circle(table: CircleScale) -> CoinOutline:
-    centre, radius, weights = circle_through([(row, column) for row, column in table.circle])
-    outline = ImageEllipse(centre=(float(centre[0]), float(centre[1])), semi_axes=(radius, radius))
-    return _outline(outline, table.points_px_std * float(np.linalg.norm(weights)))
-
-
-def _coin(coin: Coin) -> CoinOutline:
-    axes = (coin.semi_major, coin.semi_minor)
-    outline = ImageEllipse(centre=coin.centre, semi_axes=axes, orientation=coin.orientation)
-    return _outline(outline, coin.semi_major_std)
-
-
-def _outline(found: ImageEllipse, radius_std: float) -> CoinOutline:
-    points = found.points(_OUTLINE_POINTS).round(2)
-    return CoinOutline.of(outline_px=points, radius_px=found.semi_axes[0], radius_px_std=radius_std)
+    key = place.stamp, table.model_dump_json()
+    return _GRIDS.get(key, lambda: grid_of(table, opened.pictures.grey(place)))
 
 
 class RectifyParams(Params):

@@ -357,7 +357,7 @@ class _Known:
             used = reading is None and not name.startswith(folders)
             return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=reading)
 
-        return [entry(name, status.st_size) for name, status in self.opened.files().items()]
+        return [entry(name, size) for name, size in self.opened.files().items()]
 
     def results(self, *, fresh: bool) -> ResultsStatus:
         """Return whether there are results and a report; `fresh` tells whether all items are done."""

@@ -3,6 +3,7 @@
 import getpass
 import os
 from collections.abc import AsyncIterator, Mapping
+from contextlib import suppress
 from functools import partial
 from http import HTTPStatus
 from typing import Annotated
@@ -11,7 +12,6 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from pydantic import Field
 
 import fingerpad
-from fingerpad.exceptions import EditConflict
 from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.editing.edit import Edit, create_study, title_of
 from fingerpad.study.editing.propose import CARD, COINS, SCALE_WAYS, TAKES, USES, KnownSize, ScaleWay
@@ -20,7 +20,7 @@ from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Us
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
-from fingerpad.web.answers import Answer, Face, RequestError
+from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
@@ -91,23 +91,17 @@ class RunParams(Params):
 @here.get("/session")
 def session(workspace: Here) -> Session:
     """Return the studies of the workspace and the one that was opened last."""
-    last = workspace.last
+    last, who = workspace.last, ""
+    with suppress(OSError, KeyError):  # systems without login names
+        who = getpass.getuser()
     return Session.of(
         study=last and {"name": last.name, "title": last.study().title},
         workspace=workspace.workspace.name,
         studies=[
             {"name": name, "title": title_of(workspace.workspace / name)} for name in workspace.studies()
         ],
-        who=_login(),
+        who=who,
     )
-
-
-def _login() -> str:
-    """Return the user's login name, empty on systems without one."""
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError):
-        return ""
 
 
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
@@ -143,10 +137,7 @@ class EditsParams(Params):
 @router.post("/edits")
 def edit(opened: Opened, params: Body[EditsParams]) -> State:
     """Apply all edits to the manifest, or none."""
-    try:
-        opened.change(params.edits, params.expected)
-    except EditConflict as conflict:
-        raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
+    opened.change(params.edits, params.expected)
     opened.tell_changed()
     return state_of(opened)
 

@@ -87,10 +87,10 @@ export const post = (path, body, signal) => request("POST", path, { body: body ?
 /**
  * @template {DeletePath} P
  * @param {P} path
- * @param {BodyOf<P, "delete">} body
+ * @param {QueryOf<P, "delete">} query
  * @returns {Promise<AnswerTo<P, "delete">>}
  */
-export const remove = (path, body) => request("DELETE", path, { body });
+export const remove = (path, query) => request("DELETE", path, { query });
 
 /** Address of a small picture of an item. @param {string} item */
 export const thumbnailOf = (item) => addressOf("/picture/thumbnail", { item });

@@ -200,7 +200,7 @@ class Workspace extends EventTarget {
     try {
       return await send();
     } catch (error) {
-      if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
+      if (!(error instanceof ApiError) || error.status !== 409) throw error;
       await this.reload();
       if (!this.study) return null; // left meanwhile
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {

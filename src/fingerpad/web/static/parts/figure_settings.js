@@ -62,7 +62,7 @@ async function openFigureSettings({ name, caption }) {
       set("width_mm")(value);
     },
   });
-  const axis = ({ axis, name: words }) =>
+  const axis = ([axis, words]) =>
     h("fieldset", [
       h("legend", words),
       numberField("From", { placeholder: "data", onset: set(`${axis}_low`) }),
@@ -91,7 +91,7 @@ async function openFigureSettings({ name, caption }) {
           width,
           size("Height", "height_mm", "mm", high, [20, 500]),
           size("Font", "font_pt", "pt", 7.5, [3, 30]),
-          details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
+          Object.entries(details.axes).map(axis),
           details.colours.length > 0 &&
             h("fieldset", [h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))]),
           size("Resolution of PNG", "dpi", "dpi", 300, [50, 1200]),

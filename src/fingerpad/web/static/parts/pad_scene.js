@@ -53,7 +53,7 @@ const padFaces = (mesh) =>
   );
 
 /** The edges of a solid: two faces go along each, in opposite directions. */
-const edgesOf = ({ vertices_mm: vertices, faces }) =>
+const edgesOf = ({ wedge_mm: vertices, wedge_faces: faces }) =>
   faces
     .flatMap((face) => face.map((from, place) => [from, face[(place + 1) % face.length]]))
     .filter(([from, to]) => from < to)
@@ -108,7 +108,7 @@ export class PadScene {
   show(scene, label) {
     this.scene = scene;
     this.root.setAttribute("aria-label", label);
-    const { vertices_mm: vertices, faces } = scene.wedge;
+    const { wedge_mm: vertices, wedge_faces: faces } = scene;
     this.pad = padFaces(scene.mesh_mm);
     this.around = [
       faceOf(scene.platen_mm, PLATEN),
@@ -119,7 +119,7 @@ export class PadScene {
         ),
       ),
     ];
-    this.edges = edgesOf(scene.wedge);
+    this.edges = edgesOf(scene);
     this.reach = Math.max(...[...scene.platen_mm, ...vertices].map((at) => Math.hypot(...at)));
     this.draw();
   }

@@ -7,7 +7,7 @@ import { ago, short } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { text } from "./forms.js";
 
-/** @param {Answers["PoolingCorrectionRecord"]} correction */
+/** @param {Answers["CorrectedPooling"]} correction */
 const correctionWords = ({ include, why, who, when }) =>
   `${include ? "included" : "left out"} by ${who}, ${ago(when)}: ${why}`;
 

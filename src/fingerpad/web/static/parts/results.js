@@ -8,13 +8,13 @@ import { chip, synthetic } from "./forms.js";
 
 const KIND = { holds: "good", strained: "warn", fails: "bad" };
 
-/** @param {string} verdict @param {Answers["CheckWords"][]} [checks] */
+/** @param {string} verdict @param {[verdict: string, words: string][]} [checks] */
 export function verdictChip(verdict, checks = []) {
-  const tested = checks.filter((check) => check.verdict !== "not tested");
+  const tested = checks.filter(([found]) => found !== "not tested");
   return chip(
     `${rules().verdicts[verdict] ?? "–"} ${verdict}`,
     KIND[verdict] ?? "",
-    [`Hertz theory: ${verdict}`, ...tested.map(({ words }) => words)].join("\n"),
+    [`Hertz theory: ${verdict}`, ...tested.map(([, words]) => words)].join("\n"),
   );
 }
 

@@ -266,7 +266,7 @@ export class NewFiles {
 
   async #restore(removed, draft) {
     try {
-      const { restored } = await post("/files/restore", { removed });
+      const { file: restored } = await post("/files/restore", { removed });
       if (draft) this.drafts.set(restored, draft);
       toast(`${base(restored)} was restored.`, { kind: "good" });
     } catch (error) {

@@ -167,13 +167,14 @@ export class PhotographInspector extends Inspector {
 /** @param {{ face?: string | null }} entry */
 export const faceWords = ({ face }) => (face ? `${face} face` : "face not stated");
 
-/** Bars of the deviation of each face from all faces combined. @param {Answers["FaceDifference"][]} faces */
+/**
+ * Bars of the deviation of each face from all faces combined.
+ *
+ * @param {Answers["CombinedFaces"]["disagreements"]} faces
+ */
 function differences(faces) {
-  const axes = Object.keys(NAMES);
-  const rows = faces.flatMap((face) =>
-    axes
-      .filter((axis) => Number.isFinite(face[axis]))
-      .map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]),
+  const rows = faces.flatMap(([face, off]) =>
+    Object.entries(off).map(([axis, value]) => [`${face}: ${NAMES[axis].toLowerCase()}`, value]),
   );
   // Small deviations look small.
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 0.05);

@@ -141,7 +141,7 @@ export class Plots {
     const why = this.#why(group);
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const checks = group.checks.map(({ words }) => words);
+    const checks = group.checks.map(([, words]) => words);
     const folded = (words, notes) => h("details.range", [h("summary", words), list(notes, "ul.note")]);
     const fact = (label, { value, words }) =>
       value !== null && h("div", [h("dt", label), h("dd.number", words)]);

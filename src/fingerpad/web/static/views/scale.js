@@ -215,7 +215,7 @@ export class Scales {
   /** Draw what is found in the picture. @param {ScaleMeasurement | null} answer */
   #mark(answer) {
     const points = answer?.grid?.points_px ?? [];
-    this.coin.setAttribute("d", pathOf(answer?.coin?.outline_px));
+    this.coin.setAttribute("d", pathOf(answer?.outline_px));
     this.grid.setAttribute("d", dotsOf(points));
   }
 
@@ -282,11 +282,8 @@ export class Scales {
       h("h3", "Scale"),
       h("p.figure-big.number", { "data-live": "scale" }, answer.mm_per_px.words),
       h("p.soft.number", `${answer.resolution_ppi.words}, ${uncertainty}`),
-      answer.coin &&
-        h(
-          "p.soft.number",
-          `${this.way === "circle" ? "circle" : "coin"}: radius ${answer.coin.radius_px.words}`,
-        ),
+      answer.radius_px &&
+        h("p.soft.number", `${this.way === "circle" ? "circle" : "coin"}: radius ${answer.radius_px.words}`),
       answer.grid && gridWords(answer.grid),
       flagNote(answer.flags),
       answer.grid &&
