@@ -24,7 +24,6 @@ Point3D: TypeAlias = tuple[float, float, float]
 MeasuredBy: TypeAlias = Literal["automatic", "corrected", "manual"]
 Status: TypeAlias = Literal["done", "failed", "stale", "left", "given", "rejected"]
 Cell: TypeAlias = str | bool | int | float | None
-Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
 Axis: TypeAlias = Literal["palmar", "distal", "radial_ulnar"]
 
 

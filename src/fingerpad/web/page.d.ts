@@ -16,7 +16,6 @@ declare global {
   type Answers = components["schemas"];
   type GetPath = PathsWith<"get">;
   type PostPath = PathsWith<"post">;
-  type DeletePath = PathsWith<"delete">;
   type AnswerTo<P extends keyof Operations, M extends Method> =
     Operation<P, M> extends { responses: infer R } ? Success<R> : never;
   type QueryOf<P extends keyof Operations, M extends Method> =

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+from collections.abc import Mapping
 from http import HTTPStatus
 from pathlib import PurePath
 from typing import Annotated, Any, Final, TypeAlias, TypeVar, cast
@@ -115,36 +116,44 @@ def saved_as(name: str) -> dict[str, str]:
 
 def answer_errors(app: FastAPI) -> None:
     """Make errors of requests and of the library answers with the same words."""
-    for kind in (FingerpadError, OSError, ArithmeticError, MemoryError, ValueError, cv2.error):
-        app.add_exception_handler(kind, _failed)
-    app.add_exception_handler(HTTPException, _refused)
-    app.add_exception_handler(RequestValidationError, _malformed)
+    odd = (FingerpadError, OSError, ArithmeticError, MemoryError, ValueError, cv2.error)
+    for kind in (*odd, HTTPException, RequestValidationError):
+        app.add_exception_handler(kind, _answer)
 
 
-def _words(status: int, words: str, headers: Any = None, **more: Any) -> Response:
-    # A file's name may hold bytes that are not text.
-    text = dumps({"error": words, **more}).encode(errors="replace")
-    return Response(text, status_code=status, headers=headers, media_type="application/json")
-
-
-async def _failed(_: Request, error: Exception) -> Response:
-    """Answer that the library cannot do this, or that odd pictures and numbers are too much for it.
+async def _answer(request: Request, error: Exception) -> Response:
+    """Answer what is wrong with a request, or that odd pictures and numbers are too much for the library.
 
     An answer that does not fit its model is a fault of the program, and raised.
     """
     if isinstance(error, ValidationError) or (isinstance(error, OSError) and not error.strerror):
         raise error
-    words, more = f"this cannot be done ({type(error).__name__}: {error})", {}
-    if isinstance(error, FingerpadError):
-        words = str(error)
+    status, words, headers = HTTPStatus.UNPROCESSABLE_ENTITY.value, str(error), None
+    more: Mapping[str, Any] = {}
+    if isinstance(error, RequestValidationError):
+        faults = [
+            {"place": ".".join(map(str, fault["loc"][1:])), "words": fault["msg"]} for fault in error.errors()
+        ]
+        words = "; ".join(": ".join(filter(None, fault.values())) for fault in faults)
+        status, more = HTTPStatus.BAD_REQUEST, {"faults": faults}
+    elif isinstance(error, RequestError):
+        status, words, more = error.status_code, error.detail, error.more
+    elif isinstance(error, HTTPException):
+        status, headers = error.status_code, error.headers
+        words = f"{request.method} {request.url.path}: {error.detail}"
+    elif isinstance(error, CorrectionConflict | EditConflict):
+        status = HTTPStatus.CONFLICT
+    elif isinstance(error, ManifestError):
+        more = {"faults": [_fault(line) for line in words.splitlines()]}
     elif isinstance(error, OSError):
         name = error.filename
         file = f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
         words = f"{file}{error.strerror}"
-    if isinstance(error, ManifestError):
-        more["faults"] = [_fault(line) for line in words.splitlines()]
-    another = isinstance(error, CorrectionConflict | EditConflict)
-    return _words(HTTPStatus.CONFLICT if another else HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)
+    elif not isinstance(error, FingerpadError):
+        words = f"this cannot be done ({type(error).__name__}: {error})"
+    # A file's name may hold bytes that are not text.
+    text = dumps({"error": words, **more}).encode(errors="replace")
+    return Response(text, status_code=status, headers=headers, media_type="application/json")
 
 
 def _fault(line: str) -> dict[str, str]:
@@ -152,19 +161,3 @@ def _fault(line: str) -> dict[str, str]:
     where, _, rest = line.partition(": ")
     place, colon, words = rest.partition(": ")
     return {"place": place, "words": words} if colon else {"place": "", "words": rest or where}
-
-
-async def _refused(request: Request, error: Exception) -> Response:
-    assert isinstance(error, HTTPException)
-    if isinstance(error, RequestError):
-        return _words(error.status_code, error.detail, **error.more)
-    return _words(error.status_code, f"{request.method} {request.url.path}: {error.detail}", error.headers)
-
-
-async def _malformed(_: Request, error: Exception) -> Response:
-    assert isinstance(error, RequestValidationError)
-    faults = [
-        {"place": ".".join(map(str, fault["loc"][1:])), "words": fault["msg"]} for fault in error.errors()
-    ]
-    words = "; ".join(": ".join(filter(None, fault.values())) for fault in faults)
-    return _words(HTTPStatus.BAD_REQUEST, words, faults=faults)

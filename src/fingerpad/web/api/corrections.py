@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from http import HTTPStatus
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field
 
@@ -21,11 +21,12 @@ from fingerpad.study.corrections.log import (
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, Review, review_of
-from fingerpad.web.api.base import Body, Item, Opened, Params, Query, router
+from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.events import CorrectionsEvent
 from fingerpad.web.study_session import StudySession
 
-_Seen = Annotated[int, Field(ge=0, le=2**53)]
+# Whose corrections are meant.
+_Operator: TypeAlias = Literal["first", "second"]
 
 
 class Corrections(Answer):
@@ -76,17 +77,12 @@ class SecondOperator(Answer):
     agreement: list[OperatorAgreementRecord]
 
 
-class ItemParams(Params):
-    """An item, and whose corrections are meant."""
+class StepParams(Params):
+    """An item, author of an undo or redo, and the last record that they have seen."""
 
     item: Item
-    operator: Literal["first", "second"] = "first"
-
-
-class StepParams(ItemParams):
-    """Author of an undo or redo, and the last record that they have seen."""
-
-    expected: _Seen
+    operator: _Operator = "first"
+    expected: Annotated[int, Field(ge=0, le=2**53)]
     who: Annotated[str, Field(max_length=60)]
 
 
@@ -96,28 +92,28 @@ class ChangeParams(StepParams):
     change: dict[str, Any]
 
 
-def _log(opened: StudySession, params: ItemParams) -> CorrectionLog:
-    return opened.corrections if params.operator == "first" else opened.second_operator
+def _log(opened: StudySession, operator: _Operator) -> CorrectionLog:
+    return opened.corrections if operator == "first" else opened.second_operator
 
 
-def _corrections(opened: StudySession, params: ItemParams) -> Corrections:
+def _corrections(opened: StudySession, item: str, operator: _Operator) -> Corrections:
     """Return the corrections of an item."""
-    history = _log(opened, params).history(params.item)
+    history = _log(opened, operator).history(item)
     active = history.active_correction
     return Corrections.of(
         history,
         change=active.change.as_json() if active else {},
         pooling=active.pooling if active else None,
-        on_another_image=bool(active and on_another_image({params.item: active}, opened.picture_digest)),
+        on_another_image=bool(active and on_another_image({item: active}, opened.picture_digest)),
         history=history.records,
     )
 
 
 @router.get("/corrections")
-def show(opened: Opened, params: Query[ItemParams]) -> Corrections:
+def show(opened: Opened, item: Item, operator: _Operator = "first") -> Corrections:
     """Return the corrections of an item."""
-    kind_of(params.item, opened.with_incomplete())
-    return _corrections(opened, params)
+    kind_of(item, opened.with_incomplete())
+    return _corrections(opened, item, operator)
 
 
 @router.post("/corrections", status_code=HTTPStatus.CREATED)
@@ -126,7 +122,7 @@ def add(opened: Opened, params: Body[ChangeParams]) -> Corrections:
     study = opened.with_incomplete()
     kind_of(params.item, study)
     save = partial(
-        _log(opened, params).append,
+        _log(opened, params.operator).append,
         change=params.change,
         study=study,
         shape=opened.shape_of(params.item) if params.change else None,
@@ -138,45 +134,44 @@ def add(opened: Opened, params: Body[ChangeParams]) -> Corrections:
 @router.post("/corrections/undo", status_code=HTTPStatus.CREATED)
 def undo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Undo the last correction."""
-    return _saved(opened, params, _log(opened, params).undo)
+    return _saved(opened, params, _log(opened, params.operator).undo)
 
 
 @router.post("/corrections/redo", status_code=HTTPStatus.CREATED)
 def redo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Redo the correction that was undone last."""
-    return _saved(opened, params, _log(opened, params).redo)
+    return _saved(opened, params, _log(opened, params.operator).redo)
 
 
 def _saved(opened: StudySession, params: StepParams, save: Callable[..., object]) -> Corrections:
     """Save a step, tell every window of it, and return the corrections of the item."""
     save(params.item, who=params.who, expected=params.expected)
-    found = _corrections(opened, params)
+    found = _corrections(opened, params.item, params.operator)
     opened.events.send(CorrectionsEvent(item=params.item, last_id=found.last_id))
     return found
 
 
 @router.get("/corrections/similar")
-def similar(opened: Opened, params: Query[ItemParams]) -> SimilarImages:
+def similar(opened: Opened, item: Item) -> SimilarImages:
     """Return the images that a correction's settings may apply to, with their new corrections."""
     study = opened.with_incomplete()
-    kind_of(params.item, study)
-    source = contact_correction(opened.corrections.active_correction(params.item))
-    images = []
-    for item in similar_images(params.item, study):
-        history = opened.corrections.history(item)
+    kind_of(item, study)
+    source = contact_correction(opened.corrections.active_correction(item))
+
+    def image(other: str) -> SimilarImage:
+        history = opened.corrections.history(other)
         now = contact_correction(history.active_correction)
         proposed = with_settings_of(source, now)
-        images.append(
-            SimilarImage(
-                item=item,
-                last_id=history.last_id,
-                change=now.as_json(),
-                proposed=proposed.as_json(),
-                differs=proposed.edits != now.edits,
-            )
+        return SimilarImage(
+            item=other,
+            last_id=history.last_id,
+            change=now.as_json(),
+            proposed=proposed.as_json(),
+            differs=proposed.edits != now.edits,
         )
+
     settings = with_settings_of(source, ContactCorrection()).as_json()
-    return SimilarImages(settings=settings, images=images)
+    return SimilarImages(settings=settings, images=[image(one) for one in similar_images(item, study)])
 
 
 @router.get("/second-operator")

@@ -4,7 +4,7 @@ import math
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
+    Face,
     FaceSemiAxes,
     PhotographFit,
     combine_faces,
@@ -33,7 +34,6 @@ from fingerpad.study.measuring.fingers import (
 from fingerpad.web.answers import (
     Answer,
     Axis,
-    Face,
     MeasuredBy,
     Point,
     Quantity,
@@ -61,7 +61,7 @@ class CombinedFaces(Answer):
     degrees_of_freedom: int
     p_words: str
     disagree: bool
-    disagreements: list[tuple[Face, dict[Axis, float]]]
+    disagreements: list[tuple[Face, dict[Axis, float | None]]]
 
 
 class PhotographMeasurement(Answer):
@@ -95,7 +95,7 @@ class PhotographParams(Params):
     item: Item
     change: PhotographCorrection | None = None
     handles_px: tuple[PointParam, PointParam, PointParam] | None = None
-    face: Literal["palmar", "distal", "radial", "ulnar"] | None = None
+    face: Face | None = None
     scale: ScaleKey | None = None
     with_finger: bool = False
 

@@ -12,6 +12,7 @@ from pydantic import StrictFloat, StrictStr, ValidationError, ValidatorFunctionW
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
 from fingerpad.flags import FLAGS, Flag
+from fingerpad.image import Face
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, is_rejected
@@ -26,7 +27,7 @@ from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
-from fingerpad.web.answers import Answer, Axis, Face, Quantity, Review, Status, review_of, semi_axes
+from fingerpad.web.answers import Answer, Axis, Quantity, Review, Status, review_of, semi_axes
 from fingerpad.web.api.base import Opened, router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.study_session import StudySession

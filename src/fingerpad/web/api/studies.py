@@ -12,6 +12,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from pydantic import Field
 
 import fingerpad
+from fingerpad.image import Face
 from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.editing.edit import Edit, create_study, title_of
 from fingerpad.study.editing.propose import CARD, COINS, SCALE_WAYS, TAKES, USES, KnownSize, ScaleWay
@@ -20,7 +21,7 @@ from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Us
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
-from fingerpad.web.answers import Answer, Face
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent

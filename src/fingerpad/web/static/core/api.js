@@ -84,13 +84,8 @@ export const get = (path, query, signal) => request("GET", path, { query, signal
  */
 export const post = (path, body, signal) => request("POST", path, { body: body ?? {}, signal });
 
-/**
- * @template {DeletePath} P
- * @param {P} path
- * @param {QueryOf<P, "delete">} query
- * @returns {Promise<AnswerTo<P, "delete">>}
- */
-export const remove = (path, query) => request("DELETE", path, { query });
+/** Remove an uploaded file. @param {string} file @returns {Promise<Answers["Removal"]>} */
+export const removeFile = (file) => request("DELETE", "/files", { query: { file } });
 
 /** Address of a small picture of an item. @param {string} item */
 export const thumbnailOf = (item) => addressOf("/picture/thumbnail", { item });

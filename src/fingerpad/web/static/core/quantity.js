@@ -51,6 +51,12 @@ export const quantityRows = (shown, answer, { automatic, beside } = {}) =>
 /** How many there are of something. */
 export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 
+/** How many sequences there are, and frames in them. @param {{ frames: number | null }[]} sequences */
+export function countedFrames(sequences) {
+  const frames = sequences.reduce((all, one) => all + (one.frames ?? 0), 0);
+  return `${counted(sequences.length, "sequence")} of ${counted(frames, "frame")}`;
+}
+
 export function ago(when) {
   const seconds = (Date.now() - Date.parse(when)) / 1000;
   if (!Number.isFinite(seconds)) return "";

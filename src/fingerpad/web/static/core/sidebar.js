@@ -17,6 +17,9 @@ function stepStatus(step) {
   const doubtful = contacts.filter((one) => one.flags.length && !one.accepted && !one.rejected).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs);
   const { results, sequences } = study;
+  const counts = [contacts.length, sequences.length && `${sequences.length} seq.`]
+    .filter(Boolean)
+    .join(" + ");
   const { run } = workspace;
   const busy = run && ["running", "cancelling"].includes(run.state);
   const there = results.fresh ? ["up to date", "good"] : ["out of date", "warn"];
@@ -25,9 +28,7 @@ function stepStatus(step) {
     study: missing ? [`${missing} missing`, "warn"] : ["complete", "good"],
     scale: study.scales.length ? [`${study.scales.length}`, ""] : ["none yet", "warn"],
     photographs: [photographs.length ? `${photographs.length}` : "none", ""],
-    contacts: doubtful
-      ? [`${doubtful} doubtful`, "warn"]
-      : [`${contacts.length}${sequences.length ? ` + ${sequences.length} seq.` : ""}`, ""],
+    contacts: doubtful ? [`${doubtful} doubtful`, "warn"] : [counts || "0", ""],
     pad: [`${study.fingers.length || ""}`, ""],
     results: results.there ? there : results.faults.length ? ["run again", "bad"] : ["none yet", ""],
     run: busy

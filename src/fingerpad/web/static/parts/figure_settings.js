@@ -21,7 +21,7 @@ async function openFigureSettings({ name, caption }) {
   const details = await get("/results/figure", { name });
   /** @type {Record<string, any>} */
   const settings = { colours: [...details.colours] };
-  const preview = h("img.preview", { alt: caption || name.replaceAll("_", " ") });
+  const preview = h("img.preview", { alt: caption });
   const refusal = h("p.note.bad", { role: "alert", hidden: true });
   const links = h("div.actions");
 

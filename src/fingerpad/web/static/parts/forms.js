@@ -331,8 +331,12 @@ export function empty(title, words, ...actions) {
   return h("div.empty", [h("h2", title), h("p", words), actions.length > 0 && h("div.actions", actions)]);
 }
 
-/** A small picture of an item. */
-export const thumbnail = (item) => h("img.small-thumb", { src: thumbnailOf(item), alt: "", loading: "lazy" });
+/** A small picture of an item, or words of its file where there is none. @param {string} item */
+export function thumbnail(item) {
+  const words = `${item.split(/[/:]/).at(-1)} is missing or cannot be shown.`;
+  const onerror = ({ currentTarget }) => currentTarget.replaceWith(h("span.soft", words));
+  return h("img.small-thumb", { src: thumbnailOf(item), alt: "", loading: "lazy", onerror });
+}
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
 export const synthetic = (yes) => yes && h("span.synthetic", "synthetic");

@@ -1,6 +1,6 @@
 // New files: what each of them is, entered one by one or for all.
 
-import { get, post, remove } from "../core/api.js";
+import { get, post, removeFile } from "../core/api.js";
 import { button, h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes, counted } from "../core/quantity.js";
@@ -251,7 +251,7 @@ export class NewFiles {
     this.drafts.delete(file);
     await this.now; // it may be looked at
     try {
-      const { removed } = await remove("/files", { file });
+      const { removed } = await removeFile(file);
       toast(`${base(file)} was removed.`, {
         kind: "good",
         action: { words: "Undo", do: () => this.#restore(removed, draft) },

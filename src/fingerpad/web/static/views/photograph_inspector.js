@@ -174,12 +174,12 @@ export const faceWords = ({ face }) => (face ? `${face} face` : "face not stated
  */
 function differences(faces) {
   const rows = faces.flatMap(([face, off]) =>
-    Object.entries(off).map(([axis, value]) => [`${face}: ${NAMES[axis].toLowerCase()}`, value]),
+    Object.entries(off).map(([axis, value]) => ({ label: `${face}: ${NAMES[axis].toLowerCase()}`, value })),
   );
   // Small deviations look small.
-  const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 0.05);
+  const most = Math.max(...rows.map(({ value }) => Math.abs(value)), 0.05);
   return h("div.differences", [
-    rows.map(([label, value]) => {
+    rows.map(({ label, value }) => {
       const width = (Math.abs(value) / most) * 48;
       return h("div.difference", [
         h("span", label),

@@ -39,8 +39,7 @@ export async function showFigures(root) {
 
 /** @param {Answers["FigureEntry"]} figure */
 function figureCard(figure) {
-  const { name, caption, svg } = figure;
-  const words = caption || name.replaceAll("_", " ");
+  const { name, caption: words, svg } = figure;
   const save = h("a.button", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG");
   return h("figure.card", [
     h("img", { src: svg, alt: words, loading: "lazy" }),

@@ -2,7 +2,7 @@
 
 import { h, render, small, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { counted } from "../core/quantity.js";
+import { counted, countedFrames } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { attempt, choiceField, field, number, numberField, textField } from "../parts/forms.js";
@@ -56,8 +56,8 @@ export class StudyView {
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
     const parts = [
       counted(study.fingers.length, "finger"),
-      counted(study.observations.length, "contact"),
-      study.sequences.length && counted(study.sequences.length, "sequence"),
+      (study.observations.length || !study.sequences.length) && counted(study.observations.length, "contact"),
+      study.sequences.length && countedFrames(study.sequences),
       study.curves.length && counted(study.curves.length, "loading data set"),
     ];
     update(this.heading, [h("h1", study.title || study.name), h("p", parts.filter(Boolean).join(", "))]);

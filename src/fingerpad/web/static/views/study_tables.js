@@ -4,6 +4,7 @@ import { contactAddress } from "../core/api.js";
 import { button, h, render, reset, small, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
+import { countedFrames } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { attempt, chip, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_ways.js";
@@ -112,15 +113,18 @@ export class StudyTables {
       observations.some(({ roll_angle_deg: roll }) => roll) ||
       workspace.study.uncertainty.roll_angle_deg_std > 0;
     const roll = rolled ? ["Roll, °"] : [];
-    const none =
-      !observations.length && "No contacts yet. Drop contact images above; each is one contact at one load.";
+    const { sequences } = workspace.study;
+    const none = sequences.length
+      ? "No single contacts; those of sequences are below."
+      : "No contacts yet. Drop contact images above; each is one contact at one load.";
+    const more = sequences.length ? `, and ${countedFrames(sequences)}` : "";
     const find = { type: "search", placeholder: "name or finger", "aria-label": "Find contacts", oninput };
     return tableCard("Contacts", {
-      words: wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all`,
+      words: wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all${more}`,
       actions: (many || pager) && [many && h("input", find), pager],
       headings: ["Contact", "Finger", "Wedge, °", ...roll, "Load, N", "Scale", "Status", ""],
       rows: shown.map((one) => this.#contact(one, rolled)),
-      none,
+      none: !observations.length && none,
     });
   }
 
