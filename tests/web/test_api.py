@@ -176,6 +176,19 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     assert axes_of(longer["finger"])["distal"] > axes_of(one["finger"])["distal"]
 
 
+def test_handles_may_be_turned_but_are_near_the_picture(standing):
+    one = measured(standing, PHOTO, "photograph")
+    centre, across, along = np.array(one["handles_px"])
+    turned = [centre.tolist(), *(2 * centre - [across, along]).tolist()]
+    again = measured(standing, PHOTO, "photograph", handles_px=turned)
+    assert axes_of(again) == pytest.approx(axes_of(one))
+    assert again["ellipse_px"]["tilt_deg"] == pytest.approx(one["ellipse_px"]["tilt_deg"], abs=1e-6)
+    far = [[0, 0], [0, 9e5], [9e5, 0]]
+    answer = standing.study_post("measure/photograph", item=PHOTO, handles_px=far)
+    assert answer.status_code == 422
+    assert "semi_axes" in answer.json()["error"]
+
+
 def test_erased_points_are_left_out(standing):
     one = measured(standing, PHOTO, "photograph")
     rubber = {"points_px": [one["points_px"][0]], "radius_px": 25}

@@ -42,7 +42,7 @@ PURE = {
     "difference",  # relative
     "disagreements",  # relative differences, shown in percent
     "table",  # as the manifest states it, under its own keys
-} | {"normal", "principal_directions", "range_notes", "faces", "counts", "run", "limits"}  # fmt: skip
+} | {"normal", "principal_directions", "range_notes", "wedge_faces", "counts", "run", "limits"}  # fmt: skip
 RELATIVE = {"disagreements", "shares"}
 # Of a unit that an item beside them names, or that stands in the sentence beside them.
 NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"} | {

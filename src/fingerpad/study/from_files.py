@@ -23,7 +23,6 @@ from fingerpad.study.editing.propose import (
 )
 from fingerpad.study.imports.identify import Guess, identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import LoadedStudy
-from fingerpad.study.manifest.models import Study
 from fingerpad.study.status import Missing, lacking, unused_files
 
 _USELESS: Final = (
@@ -57,7 +56,7 @@ def start_study(
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")
     title = folder.resolve().name
-    empty = LoadedStudy(folder=folder, digests={}, study=Study(title=title), tables=(), issues=())
+    empty = LoadedStudy.empty(folder)
     left: dict[str, str] = {}
     found: dict[str, tuple[NewFile, Guess]] = {}
     for one in unused_files(empty):

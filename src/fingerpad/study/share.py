@@ -28,7 +28,8 @@ from fingerpad.study.journal import LOCK_NAME, locked
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import OUTPUT_NAMES, RESULTS_NAME
 
-_DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME)
+# The files that the page changes together.
+DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME)
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
 # Lock files of running programs.
 _LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))
@@ -55,7 +56,7 @@ class Bundle:
         self.files: dict[str, Path] = {}  # where each is, by its name in the study; the documents come first
         self.folders: list[str] = []  # each with a slash at its end
         self.left_out: list[LeftOut] = []  # what the ZIP does not hold
-        for name in _DOCUMENTS:
+        for name in DOCUMENTS:
             if (folder / name).is_file():
                 self.files[name] = folder / name
         self._add_named(folder, sheet or "")

@@ -14,45 +14,16 @@ import numpy as np
 from fingerpad._files import digest_of
 from fingerpad.exceptions import FingerpadError, ImageError, ManifestError
 from fingerpad.image import open_frames
-from fingerpad.study.corrections.log import (
-    CORRECTIONS_NAME,
-    SECOND_OPERATOR_NAME,
-    CorrectionLog,
-    parts_of_item,
-    picture_digest,
-)
+from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME, CorrectionLog, parts_of_item, picture_digest
 from fingerpad.study.editing.edit import Edit, change_study
-from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
-from fingerpad.study.manifest.load import (
-    STUDY_NAME,
-    Kind,
-    LoadedStudy,
-    Table,
-    file_inside,
-    is_as_read,
-    load_study,
-)
-from fingerpad.study.manifest.messages import Fault, validated
-from fingerpad.study.manifest.models import (
-    Contact,
-    ContactSequence,
-    Finger,
-    ManifestModel,
-    Observation,
-    Photograph,
-    ScaleKey,
-    Study,
-)
+from fingerpad.study.manifest.load import STUDY_NAME, Kind, LoadedStudy, file_inside, is_as_read, load_study
+from fingerpad.study.manifest.messages import validated
+from fingerpad.study.manifest.models import Contact, ContactSequence, Finger, Observation, Photograph, Study
 from fingerpad.study.measuring.fingers import FingerResult, given_pad, stated
 from fingerpad.study.results.load import Results
-from fingerpad.study.results.result_set import (
-    RERUN,
-    quick_faults,
-    result_files,
-    result_set_faults,
-    result_set_stamp,
-)
+from fingerpad.study.results.result_set import RERUN, quick_faults, result_files, result_set_stamp
+from fingerpad.study.share import DOCUMENTS
 from fingerpad.study.status import Missing, missing
 from fingerpad.web.answers import RequestError
 from fingerpad.web.events import Events, StudyEvent
@@ -62,11 +33,10 @@ from fingerpad.web.run_job import RunJob
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
 # Where an incomplete contact, or a new file, is measured: no model may use them.
-_PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
-Drafted = TypeVar("Drafted", bound=ManifestModel)
+PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
+Placed = TypeVar("Placed", Observation, ContactSequence)
 # Of a file or folder, what changes with it; None where it is not there.
 Stamp: TypeAlias = tuple[int, int, int] | None
-_OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
 # Results of studies that are open in several windows, or what is wrong with them.
 _RESULTS: Final[Cache[tuple[Results | None, list[str]]]] = Cache(3)
 
@@ -143,12 +113,7 @@ class StudySession:
         try:
             return load_study(self.folder / STUDY_NAME)
         except ManifestError as error:
-            faults = tuple(Fault("", line) for line in str(error).splitlines())
-            damage = Table(kind="study", key="", content={}, file="", key_path="", faults=faults)
-            study = Study(title=self.name)
-            return LoadedStudy(
-                folder=self.folder, digests={}, study=study, tables=(damage,), issues=tuple(damage.lines)
-            )
+            return LoadedStudy.empty(self.folder, str(error).splitlines())
 
     def change(self, edits: Sequence[Edit], expected: str) -> None:
         """Change the manifest: all edits or none."""
@@ -173,7 +138,8 @@ class StudySession:
 
     def finger(self, name: str) -> Finger | None:
         """Return a finger by its name, None where it is incomplete."""
-        return cast(Finger | None, self._complete("finger", name))
+        table = self.read().table("finger", name)
+        return table.model if table and table.complete and isinstance(table.model, Finger) else None
 
     def contact(self, item: str) -> tuple[Contact, bool]:
         """Return the table of a contact image, or of a frame's sequence, and whether it is complete.
@@ -183,26 +149,25 @@ class StudySession:
         """
         kind, name, _ = parts_of_item(item)
         if kind == "frame":
-            return self.sequence(name), self._complete("sequence", name) is not None
-        found = cast(Observation | None, self._complete("observation", name))
-        return found or self._draft("observation", name, Observation), found is not None
+            return self._contact("sequence", name, ContactSequence)
+        return self._contact("observation", name, Observation)
 
     def sequence(self, name: str) -> ContactSequence:
         """Return a sequence by its name; of one that is incomplete the force may be empty."""
-        found = cast(ContactSequence | None, self._complete("sequence", name))
-        return found or self._draft("sequence", name, ContactSequence)
+        return self._contact("sequence", name, ContactSequence)[0]
 
-    def _draft(self, kind: Kind, name: str, model: type[Drafted]) -> Drafted:
-        """Return an incomplete contact with placeholders for what its picture is measured without."""
-        content = self._stated(kind, name)
+    def _contact(self, kind: Kind, name: str, model: type[Placed]) -> tuple[Placed, bool]:
+        table = self.read().table(kind, name)
+        if table and table.complete and isinstance(table.model, model):
+            return table.model, True
+        content = table.stated if table else {}
         if not content.get("file"):
             raise RequestError.not_there(f"no {kind} with a picture is named {name[:80]!r}")
         if not content.get("scale"):
             raise RequestError.impossible("state the scale of the picture")
-        needed = {key: value for key, value in _PLACEHOLDERS.items() if key in model.model_fields}
-        if model is ContactSequence:
-            content = {"force": "", **content}
-        return validated(model, {**content, **needed, "name": name}, name, strict=False)
+        needed = {key: value for key, value in PLACEHOLDERS.items() if key in model.model_fields}
+        force = {"force": ""} if model is ContactSequence else {}
+        return validated(model, {**force, **content, **needed, "name": name}, name, strict=False), False
 
     def photograph(self, item: str) -> tuple[Finger | None, Photograph]:
         """Return a photograph by finger and file, and its finger, None where that is incomplete."""
@@ -223,11 +188,6 @@ class StudySession:
         """Return what a table of the manifest states, nothing where there is none."""
         table = self.read().table(kind, key)
         return {} if table is None else table.stated
-
-    def _complete(self, kind: Kind, key: str) -> ManifestModel | None:
-        """Return a table that is complete, None where there is none."""
-        table = self.read().table(kind, key)
-        return table.model if table is not None and table.complete else None
 
     def image_location(self, item: str) -> ImageLocation:
         """Return the location of an item's image; only files named by the manifest."""
@@ -290,7 +250,7 @@ class StudySession:
             folders[:] = [path.name for path in inner]
             for path in (place / name for name in names if not name.startswith(".")):
                 name = path.relative_to(self.folder).as_posix()
-                if name not in _OWN and not path.is_symlink() and (stamp := _stamp_of(path)):
+                if name not in DOCUMENTS and not path.is_symlink() and (stamp := _stamp_of(path)):
                     sizes[name] = stamp[0]
             if len(sizes) >= _MOST_FILES:
                 break
@@ -313,7 +273,7 @@ class StudySession:
     def _inside(self, name: str) -> Path | None:
         """Return the path of a name, None if it is outside the study or not an input."""
         parts = PurePosixPath(name).parts
-        if not parts or any(part.startswith(".") for part in parts) or parts[0] in _OWN:
+        if not parts or any(part.startswith(".") for part in parts) or parts[0] in DOCUMENTS:
             return None
         path = self.folder / name
         try:
@@ -362,12 +322,6 @@ class StudySession:
             raise RequestError.not_there("there are no results yet: run the study")
         return found
 
-    def require_result_file(self, name: str) -> None:
-        """Refuse a file of the results that is not what the last run wrote."""
-        faults = result_set_faults(self.out, is_checked=lambda one: one == name)
-        if faults:
-            raise RequestError.conflict(f"{'; '.join(faults)}: {RERUN}")
-
     def known_finger(self, name: str) -> FingerResult | None:
         """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
         finger = self.finger(name)
@@ -388,11 +342,6 @@ class StudySession:
             scale=record.scale,
             **(stated(finger) | {"synthetic": record.synthetic}),
         )
-
-
-def contact_of_file(file: str, scale: ScaleKey) -> Observation:
-    """Return a new file as a contact image, which no model may use either."""
-    return Observation(name="new", file=file, scale=scale, **_PLACEHOLDERS)
 
 
 def _stamp_of(path: Path) -> Stamp:

@@ -8,11 +8,11 @@ import hashlib
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final, Literal, TypeAlias, TypeVar
+from typing import Any, Final, Literal, Self, TypeAlias, TypeVar
 
 from pydantic import BaseModel, TypeAdapter
 
@@ -232,6 +232,14 @@ class LoadedStudy(Displayed):
     # All in lists; of the top level and the sections those that are wrong.
     tables: tuple[Table, ...] = ()
     issues: tuple[str, ...] = ()  # a study without any can be run
+
+    @classmethod
+    def empty(cls, folder: Path, faults: Iterable[str] = ()) -> Self:
+        """Return a study without anything in it, and what is wrong with its manifest."""
+        wrong = tuple(Fault("", words) for words in faults)
+        damage = Table(kind="study", key="", content={}, file="", key_path="", faults=wrong)
+        study, tables = Study(title=folder.absolute().name), (damage,) if wrong else ()
+        return cls(folder=folder, digests={}, study=study, tables=tables, issues=tuple(damage.lines))
 
     @property
     def digest(self) -> str:

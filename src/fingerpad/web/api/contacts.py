@@ -26,7 +26,7 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import CorrectedPooling, parts_of_item
-from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
+from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
     Measurement,
@@ -39,19 +39,12 @@ from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
-from fingerpad.web.answers import (
-    Answer,
-    MeasuredBy,
-    Point,
-    Quantity,
-    RequestError,
-    quantities,
-)
+from fingerpad.web.answers import Answer, MeasuredBy, Point, Quantity, RequestError, quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.study_session import StudySession, contact_of_file
+from fingerpad.web.study_session import PLACEHOLDERS, StudySession
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12)
 _AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50)
@@ -193,7 +186,8 @@ class _Image:
         if not item.startswith("file:"):
             contact, complete = opened.contact(item)
         elif scale is not None:
-            contact, complete = contact_of_file(item.removeprefix("file:"), scale), False
+            file = item.removeprefix("file:")
+            contact, complete = Observation(name="new", file=file, scale=scale, **PLACEHOLDERS), False
         else:
             raise RequestError.impossible(f"{item}: state its scale")
         if contact.scale is None:

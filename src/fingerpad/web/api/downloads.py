@@ -17,7 +17,7 @@ from starlette.responses import FileResponse
 from fingerpad._files import file_stem
 from fingerpad.figures.marks import Figure
 from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
-from fingerpad.study.results.result_set import RERUN, result_files
+from fingerpad.study.results.result_set import RERUN, result_files, result_set_faults
 from fingerpad.study.share import Bundle, LeftOut, pack
 from fingerpad.web.answers import Answer, RequestError
 from fingerpad.web.api.base import ASK_AGAIN, Opened, Params, Query, router, saved_as
@@ -52,12 +52,19 @@ def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Res
     file = opened.out / path
     if path not in result_files(opened.out) or not file.resolve().is_relative_to(opened.out.resolve()):
         raise RequestError.not_there(f"{path[:80]!r} is no file of the last run: run the study")
-    opened.require_result_file(path)
+    _require_intact(opened, path)
     headers = ASK_AGAIN | (FRAMED_HEADERS if file.suffix == ".html" else {})
     if attachment:
         headers |= saved_as(file.name)
     kind = _MEDIA_TYPES.get(file.suffix, "application/octet-stream")
     return FileResponse(file, media_type=kind, headers=headers)
+
+
+def _require_intact(opened: StudySession, name: str) -> None:
+    """Refuse a file of the results that is not what the last run wrote."""
+    faults = result_set_faults(opened.out, is_checked=lambda one: one == name)
+    if faults:
+        raise RequestError.conflict(f"{'; '.join(faults)}: {RERUN}")
 
 
 @router.get("/bundle")
@@ -190,7 +197,7 @@ def _figure(opened: StudySession, name: str) -> Figure:
     file = f"figures/{name}.json"
     if file not in result_files(opened.out):
         raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
-    opened.require_result_file(file)
+    _require_intact(opened, file)
     try:
         return Figure.of_json((opened.out / file).read_text(encoding="utf-8"))
     except ValueError as error:

@@ -54,16 +54,10 @@ class UploadedFile(Answer):
     columns: list[str] | None = None
 
 
-class RestoreParams(Params):
-    """Number of a removed file."""
-
-    removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
-
-
-class Removal(Answer):
+class Removal(Params):
     """The number by which a removed file can be restored."""
 
-    removed: str
+    removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
@@ -150,7 +144,7 @@ def remove(opened: Opened, file: Item) -> Removal:
 
 
 @router.post("/files/restore")
-def restore(opened: Opened, params: Body[RestoreParams]) -> UploadedFile:
+def restore(opened: Opened, params: Body[Removal]) -> UploadedFile:
     """Restore a removed file, under another name if its own is taken."""
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)

@@ -4,7 +4,7 @@ import math
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
-from typing import Final
+from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import ManualFaceEllipse, PhotographCorrection
 from fingerpad.study.corrections.log import is_rejected
+from fingerpad.study.manifest.messages import validated
 from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import (
     FingerResult,
@@ -48,9 +49,9 @@ from fingerpad.web.study_session import StudySession
 
 _FITS: Final[Cache[PhotographFit | FingerpadError]] = Cache(120)
 _outline_radii: Final = lru_cache(maxsize=120)(outline_radii)  # once for each fit that is kept
-_RADII: Final = ("wedge_angle_deg", "outline_mm", "ellipse_mm")
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
+_Radius: TypeAlias = Literal["wedge_angle_deg", "outline_mm", "ellipse_mm"]
 
 
 class CombinedFaces(Answer):
@@ -80,7 +81,7 @@ class PhotographMeasurement(Answer):
     uncertainty_words: dict[Axis, str]
     arc_deg: Quantity
     exponent: Quantity
-    radii: list[dict[str, Quantity]]
+    radii: list[dict[_Radius, Quantity]]
     tilt_deg: Quantity
     flags: list[str]
     mm_per_px: float
@@ -120,17 +121,19 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
     if edited:
         with suppress(FingerpadError):
             automatic = _axes(_fit(opened, params.item, photograph, PhotographCorrection()))
-    tilt, size = math.degrees(fit.tilt), fit.scale.mm_per_px
+    size = fit.scale.mm_per_px
+    tilt = (math.degrees(fit.tilt) + 90) % 180 - 90  # by half a turn more it is the same ellipse
+    ellipse = {"centre": list(fit.centre), "semi_axes": (fit.semi_axes / size).tolist(), "tilt_deg": tilt}
     return PhotographMeasurement.of(
         fit,
         by="manual" if manual else "corrected" if edited else "automatic",
-        ellipse_px={"centre": fit.centre, "semi_axes": fit.semi_axes / size, "tilt_deg": tilt},
+        ellipse_px=validated(ManualFaceEllipse, ellipse, params.item, strict=False),
         handles_px=fit.handles,
         points_px=fit.points.round(2),
         outliers_px=fit.outliers.round(2),
         uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
         semi_axes_mm=_axes(fit),
-        radii=[quantities(one.get, _RADII) for one in fit.side_radii()],
+        radii=[quantities(one.get, get_args(_Radius)) for one in fit.side_radii()],
         tilt_deg=tilt,
         flags=sorted(fit.flags),
         mm_per_px=size,

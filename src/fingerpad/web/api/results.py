@@ -21,14 +21,7 @@ from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
-from fingerpad.web.answers import (
-    Answer,
-    Cell,
-    Quantity,
-    RequestError,
-    unit_of,
-    with_unit,
-)
+from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of, with_unit
 from fingerpad.web.api.base import Opened, Params, Query, here, router
 
 _MOST_IN_QUESTION: Final = 200
