@@ -225,8 +225,7 @@ def test_a_length_has_its_uncertainty(standing):
 
 def test_geometry_is_that_of_the_library(standing):
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
-    asked = {f"{name}_mm": value for name, value in axes.items()}
-    found = standing.tell("geometry", **asked, wedge_angle_deg=30, detail=8)
+    found = standing.tell("geometry", semi_axes_mm=[*axes.values()], wedge_angle_deg=30, detail=8)
     pad = Ellipsoid(**axes)
     placement = Placement(pad, wedge_angle=np.radians(30))
     radius = {"value": pytest.approx(placement.curvature.mean_curvature_radius), "std": None}
@@ -292,7 +291,6 @@ def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
     assert "board.png: no grid of 6 × 9 inner corners found" in wrong.json()["error"]
 
 
-AXES = {"palmar_mm": 1, "distal_mm": 1}
 BLUNDER = {"seed_px": [9999, 0]}
 ROI = {"region_of_interest_px": [5, 5, 6, 6]}
 TITLE = [{"kind": "study", "key": "", "set": {"title": "x"}}]
@@ -325,8 +323,8 @@ BAD = [
     ("geometry", {}, 400),
     ("geometry", {"finger": "unknown"}, 422),
     ("geometry", {"finger": "left_index_ellipse", "wedge_angle_deg": 91}, 400),
-    ("geometry", {**AXES, "radial_ulnar_mm": 0}, 400),
-    ("geometry", {**AXES, "radial_ulnar_mm": 1e-300}, 400),
+    ("geometry", {"semi_axes_mm": [1, 1, 0]}, 400),
+    ("geometry", {"semi_axes_mm": [1, 1, 1e-300]}, 400),
     ("results/rows", None, 404),
     ("results/plot", None, 404),
     ("download/report.html", None, 404),

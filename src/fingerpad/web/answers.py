@@ -17,11 +17,11 @@ from starlette.exceptions import HTTPException
 from fingerpad._arrays import FloatArray
 from fingerpad._json import dumps
 from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
+from fingerpad.study.corrections.apply import NOTHING
 from fingerpad.study.corrections.log import ActiveCorrection
 
 Point: TypeAlias = tuple[float, float]
 Point3D: TypeAlias = tuple[float, float, float]
-MeasuredBy: TypeAlias = Literal["automatic", "corrected", "manual"]
 Status: TypeAlias = Literal["done", "failed", "stale", "left", "given", "rejected"]
 Cell: TypeAlias = str | bool | int | float | None
 Axis: TypeAlias = Literal["palmar", "distal", "radial_ulnar"]
@@ -121,24 +121,16 @@ def quantities(
 
 
 def _finite(value: Any) -> float | None:
-    """Return a number, None where there is none."""
     return float(value) if isinstance(value, float | int) and math.isfinite(value) else None
 
 
-class Fault(BaseModel):
-    """What is wrong with a request, and where."""
-
-    place: str = ""
-    words: str
-
-
 class Refusal(Answer):
-    """Why a request failed."""
+    """Why a request failed: each fault has its `place` and `words`."""
 
     model_config = ConfigDict(extra="allow")
 
     error: str
-    faults: list[Fault] = []
+    faults: list[dict[str, str]] = []
 
 
 class RequestError(HTTPException):
@@ -175,15 +167,9 @@ class Review(Answer):
 
 def review_of(correction: ActiveCorrection | None) -> dict[str, Any]:
     """Return the content of a `Review`."""
-    if correction is None:
-        return {"corrected": False, "accepted": False, "rejected": None, "who": None}
-    change = correction.change
-    return {
-        "corrected": bool(change.edits),
-        "accepted": change.accepted,
-        "rejected": change.rejected,
-        "who": correction.who,
-    }
+    change, who = (correction.change, correction.who) if correction else (NOTHING, None)
+    review = {"corrected": bool(change.edits), "accepted": change.accepted, "rejected": change.rejected}
+    return review | {"who": who}
 
 
 def semi_axes(lengths: FloatArray, stds: FloatArray | None = None, unit: str = "mm") -> dict[Axis, Quantity]:

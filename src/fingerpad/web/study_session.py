@@ -102,7 +102,6 @@ class StudySession:
         return [self.folder / name for name in (STUDY_NAME, sheet) if name is not None]
 
     def _stamps(self) -> dict[Path, Stamp]:
-        """Return the stamps of all that tells what the study is."""
         return self._scanned()[1] | {path: _stamp_of(path) for path in self._named()}
 
     def _is_as_stamped(self, stamps: Mapping[Path, Stamp]) -> bool:
@@ -185,7 +184,6 @@ class StudySession:
         return cast(list[dict[str, Any]], self._stated("finger", finger).get("photographs", []))
 
     def _stated(self, kind: Kind, key: str) -> dict[str, Any]:
-        """Return what a table of the manifest states, nothing where there is none."""
         table = self.read().table(kind, key)
         return {} if table is None else table.stated
 
@@ -284,21 +282,15 @@ class StudySession:
         return path if inside else None
 
     def results(self) -> Results | None:
-        """Return the tables of the last run, None if there are none or they are damaged.
+        """Return the tables of the last run, None if there are none or they are damaged."""
+        return self.results_or_faults()[0]
 
-        They are validated on reading, as they may be imported.
+    def results_or_faults(self) -> tuple[Results | None, list[str]]:
+        """Return the same, and what was wrong with the files, except overlays, when the tables were read.
+
+        They are checked and read once for each result set, as it may be imported. A file that was changed in
+        place later is named by what reads it, and by ``fingerpad verify``.
         """
-        return self._results_read()[0]
-
-    def results_faults(self) -> list[str]:
-        """Return what was wrong with the files of the last run, except overlays, when its tables were read.
-
-        A file that was changed in place later is named by what reads it, and by ``fingerpad verify``.
-        """
-        return self._results_read()[1]
-
-    def _results_read(self) -> tuple[Results | None, list[str]]:
-        """Return the results and their faults, checked and read once for each result set."""
         return _RESULTS.get((self.out, result_set_stamp(self.out)), self._read_results)
 
     def _read_results(self) -> tuple[Results | None, list[str]]:
@@ -315,7 +307,7 @@ class StudySession:
 
     def require_results(self) -> Results:
         """Return the results of the last run; refuse where there are none, or they are damaged."""
-        found, faults = self._results_read()
+        found, faults = self.results_or_faults()
         if faults:
             raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
         if found is None:

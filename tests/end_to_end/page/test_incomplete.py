@@ -50,6 +50,15 @@ def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, ex
     assert [one["face"] for one in stated(example)["fingers"][0]["photographs"]] == ["palmar", "distal"]
 
 
+def test_a_photograph_that_is_gone_is_named_and_frames_are_counted(tab: Tab, demo) -> None:
+    (demo / "synthetic" / "photograph_palmar.jpg").unlink()
+    tab.expected.append("404")
+    page = tab.open()
+    page.get_by_text("photograph_palmar.jpg is missing or cannot be shown.").wait_for()
+    expect(page.locator("h1 + p")).to_contain_text("1 sequence of 24 frames")
+    expect(page.get_by_role("region", name="Contacts", exact=True)).to_contain_text("1 sequence of 24 frames")
+
+
 def test_a_curve_is_missed_by_its_file_and_a_new_scale_is_begun(example_tab: Tab, example) -> None:
     without(example, r'wedge_angle_deg = 30\nsynthetic = true\n(?=file = "loading)')
     without(example, r', scale = "camera"')

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
-from typing import Final, Self
+from dataclasses import replace
+from typing import Final, Literal
 
 import numpy as np
 
@@ -35,11 +35,10 @@ from fingerpad.study.measuring.contacts import (
     is_pooled,
     reviewed,
 )
-from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
-from fingerpad.web.answers import Answer, MeasuredBy, Point, Quantity, RequestError, quantities
+from fingerpad.web.answers import Answer, Point, Quantity, RequestError, quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
@@ -90,7 +89,7 @@ class ContactMeasurement(Answer):
     """
 
     item: str
-    by: MeasuredBy
+    by: Literal["automatic", "corrected", "manual"]
     outline_px: list[Point]
     handles_px: tuple[Point, Point, Point]
     numbers: dict[str, Quantity]
@@ -133,7 +132,7 @@ class ContactParams(Params):
 @router.post("/measure/contact")
 def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
-    image = _Image.of(opened, params)
+    image = _Image(opened, params)
     change = params.change or image.correction()
     seen = measured_under(image.prepared(change), change)
     measured = replace(from_contact_image(seen, image.contact, image.found), observation=image.item)
@@ -162,39 +161,31 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
 def levels(opened: Opened, params: Body[ContactParams]) -> ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
-    prepared = _Image.of(opened, params).prepared(change)
+    prepared = _Image(opened, params).prepared(change)
     counts, edges = prepared.level_histogram()
     automatic = None if prepared.reason else prepared.measure().threshold
     return ContactLevels.of(counts=counts, edges=edges, automatic_threshold=automatic)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Image:
-    """A contact image or a frame: its table in the study, whether that is complete, and its scale."""
+    """A contact image, a frame or a new file: its table, whether that is complete, and its scale."""
 
-    opened: StudySession
-    item: str
-    contact: Contact
-    complete: bool
-    found: FoundScale
-
-    @classmethod
-    def of(cls, opened: StudySession, params: ContactParams) -> Self:
-        """Return the image of an item, or of a new file, with the scale of this request."""
-        item, scale = params.item, params.scale
+    def __init__(self, opened: StudySession, params: ContactParams) -> None:
+        self.opened, self.item = opened, params.item
         contact: Contact
-        if not item.startswith("file:"):
-            contact, complete = opened.contact(item)
-        elif scale is not None:
-            file = item.removeprefix("file:")
-            contact, complete = Observation(name="new", file=file, scale=scale, **PLACEHOLDERS), False
+        if not self.item.startswith("file:"):
+            contact, self.complete = opened.contact(self.item)
+        elif params.scale is not None:
+            file = self.item.removeprefix("file:")
+            contact = Observation(name="new", file=file, scale=params.scale, **PLACEHOLDERS)
+            self.complete = False
         else:
-            raise RequestError.impossible(f"{item}: state its scale")
+            raise RequestError.impossible(f"{self.item}: state its scale")
         if contact.scale is None:
-            raise RequestError.not_there(f"no contact image is named {item!r}")
-        known = contact.scale if scale is None else scale
-        contact, found = contact.model_copy(update={"scale": known}), scale_of(opened, known)
-        return cls(opened=opened, item=item, contact=contact, complete=complete, found=found)
+            raise RequestError.not_there(f"no contact image is named {self.item!r}")
+        known = contact.scale if params.scale is None else params.scale
+        self.contact: Contact = contact.model_copy(update={"scale": known})
+        self.found = scale_of(opened, known)
 
     def correction(self) -> ContactCorrection:
         """Return what holds: a person's correction, or what key frames carry to a frame."""

@@ -97,7 +97,6 @@ def _log(opened: StudySession, operator: _Operator) -> CorrectionLog:
 
 
 def _corrections(opened: StudySession, item: str, operator: _Operator) -> Corrections:
-    """Return the corrections of an item."""
     history = _log(opened, operator).history(item)
     active = history.active_correction
     return Corrections.of(

@@ -3,6 +3,7 @@
 import os
 import re
 from contextlib import ExitStack
+from fnmatch import fnmatch
 from html import unescape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -104,7 +105,6 @@ class FigureEntry(Answer):
     name: str
     caption: str
     svg: str
-    settable: bool
 
 
 class FigureDetails(Answer):
@@ -155,20 +155,15 @@ _CAPTION: Final = re.compile(r'aria-label="([^"]+)"')
 def figures(opened: Opened) -> list[FigureEntry]:
     """Return the report's figures with their captions."""
     opened.require_results()
-    files = dict.fromkeys(result_files(opened.out))
 
-    def entry(drawing: str) -> FigureEntry:
-        stem = drawing.removesuffix(".svg")
+    def entry(name: str) -> FigureEntry:
+        drawing = f"figures/{name}.svg"
         with (opened.out / drawing).open(encoding="utf-8") as file:
             caption = _CAPTION.search(file.read(4000))
-        return FigureEntry(
-            name=Path(stem).name,
-            caption=unescape(caption[1]) if caption else Path(stem).name,
-            svg=opened.address(f"/download/{drawing}"),
-            settable=f"{stem}.json" in files,
-        )
+        words = unescape(caption[1]) if caption else name
+        return FigureEntry(name=name, caption=words, svg=opened.address(f"/download/{drawing}"))
 
-    return [entry(one) for one in files if one.startswith("figures/") and one.endswith(".svg")]
+    return [entry(Path(one).stem) for one in result_files(opened.out) if fnmatch(one, "figures/*.svg")]
 
 
 @router.get("/results/figure")
@@ -192,7 +187,6 @@ def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response
 
 
 def _figure(opened: StudySession, name: str) -> Figure:
-    """Return a figure of the results as data."""
     opened.require_results()
     file = f"figures/{name}.json"
     if file not in result_files(opened.out):

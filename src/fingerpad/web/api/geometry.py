@@ -48,18 +48,15 @@ class GeometryParams(Params):
     """A pad on a wedge, by its finger or its semi-axes, and the resolution of the drawing."""
 
     finger: str | None = None
-    palmar_mm: Length | None = None
-    distal_mm: Length | None = None
-    radial_ulnar_mm: Length | None = None
+    semi_axes_mm: tuple[Length, Length, Length] | None = None
     wedge_angle_deg: WedgeAngle = 30.0
     roll_angle_deg: RollAngle = 0.0
     detail: Annotated[int, Field(ge=4, le=120)] = 32
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
-        axes = (self.palmar_mm, self.distal_mm, self.radial_ulnar_mm)
-        if (self.finger is None) == (None in axes):
-            raise ValueError("give finger, or palmar_mm, distal_mm and radial_ulnar_mm")
+        if (self.finger is None) == (self.semi_axes_mm is None):
+            raise ValueError("give finger, or semi_axes_mm: palmar, distal and radial-ulnar")
         return self
 
 
@@ -87,8 +84,7 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
 def _pad(opened: StudySession, params: GeometryParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
     """Return semi-axes (mm), their covariance if known, and standard uncertainties of the angles."""
     if params.finger is None:
-        given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
-        return given, None, np.zeros(2)
+        return np.array(params.semi_axes_mm, dtype=float), None, np.zeros(2)
     finger, of = measured_finger(opened, params.finger), opened.study().uncertainty
     if finger is None:
         raise RequestError.impossible(f"{params.finger}: no complete finger of the study has this name")

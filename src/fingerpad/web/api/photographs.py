@@ -32,16 +32,7 @@ from fingerpad.study.measuring.fingers import (
     outline_radii,
     photograph_item,
 )
-from fingerpad.web.answers import (
-    Answer,
-    Axis,
-    MeasuredBy,
-    Point,
-    Quantity,
-    RequestError,
-    quantities,
-    semi_axes,
-)
+from fingerpad.web.answers import Answer, Axis, Point, Quantity, RequestError, quantities, semi_axes
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.pictures import Cache
@@ -72,7 +63,7 @@ class PhotographMeasurement(Answer):
     where a wedge touches, of the outline itself and of the ellipse.
     """
 
-    by: MeasuredBy
+    by: Literal["automatic", "corrected", "manual"]
     semi_axes_mm: dict[Axis, Quantity]
     ellipse_px: ManualFaceEllipse
     handles_px: tuple[Point, Point, Point]
@@ -254,5 +245,4 @@ def _faces(
 
 
 def _stored(opened: StudySession, item: str) -> PhotographCorrection:
-    """Return the correction of a photograph that is stored."""
     return photograph_correction(opened.corrections.active_correction(item))

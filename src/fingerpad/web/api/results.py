@@ -173,7 +173,6 @@ def _cell(row: Row, name: str) -> Quantity | Cell:
 
 
 def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
-    """Return which rows are asked for."""
     chosen = np.ones(len(table), dtype=bool)
     for name in ("finger", "status", "sequence", "wedge_angle_deg"):
         if (wanted := getattr(params, name)) is not None:

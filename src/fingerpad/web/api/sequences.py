@@ -15,7 +15,7 @@ from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corr
 from fingerpad.study.corrections.changes import PhaseStart
 from fingerpad.study.engine.task import in_study
 from fingerpad.study.manifest.models import ContactSequence
-from fingerpad.study.results.table import Row, records
+from fingerpad.study.results.table import COLUMNS, Row, records
 from fingerpad.web.answers import Answer, RequestError, Review, review_of
 from fingerpad.web.api.base import Opened, router
 from fingerpad.web.study_session import StudySession
@@ -44,10 +44,7 @@ class FrameEntry(Review):
     interpolated: bool
 
 
-_FRAME_COLUMNS: Final = (
-    *("status", "flags", "phase", "phase_corrected_by", "time_s", "load_N"),
-    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
-)
+_FRAME_COLUMNS: Final = tuple(name for name in COLUMNS if name in FrameEntry.model_fields)
 
 
 class Frames(Answer):
@@ -113,7 +110,7 @@ def _rows(opened: StudySession, sequence: str) -> dict[int, Row]:
     if (found := opened.results()) is None:
         return {}
     of_it = found.table[(found.table["sequence"] == sequence) & found.table["frame"].notna()]
-    return {row["frame"]: row for row in records(of_it, "frame", *_FRAME_COLUMNS)}
+    return {row["frame"]: row for row in records(of_it, *_FRAME_COLUMNS)}
 
 
 @router.get("/signal")

@@ -192,7 +192,8 @@ class _Known:
     """What is known of a study, and what of that is said of each of its tables."""
 
     def __init__(self, opened: StudySession) -> None:
-        self.opened, self.loaded, self.found = opened, opened.read(), opened.results()
+        self.opened, self.loaded = opened, opened.read()
+        self.found, self.faults = opened.results_or_faults()
         self.active = opened.corrections.active_corrections()
         self.states = self._item_states()
 
@@ -364,16 +365,15 @@ class _Known:
         """Return whether there are results and a report; `fresh` tells whether all items are done."""
         made = self.found.summary.provenance if self.found else None
         has_report = (self.opened.out / REPORT_NAME).is_file()
+        if made and fresh and has_report:
+            sheet = self.loaded.study.observations_csv
+            names = filter(None, (STUDY_NAME, sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
+            digests = {name: digest_of(self.opened.folder / name) for name in names}
+            fresh = all(digest == made.inputs_sha256.get(name, "") for name, digest in digests.items())
         return ResultsStatus(
             there=made is not None,
-            faults=self.opened.results_faults(),
+            faults=self.faults,
             report=has_report,
             finished=made.made if made else None,
-            fresh=bool(made and fresh and has_report and self._has_same_inputs(made.inputs_sha256)),
+            fresh=bool(made and fresh and has_report),
         )
-
-    def _has_same_inputs(self, known: Mapping[str, str]) -> bool:
-        """Tell whether manifest, spreadsheet and corrections are those of a run."""
-        sheet = self.loaded.study.observations_csv
-        names = filter(None, (STUDY_NAME, sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
-        return all(digest_of(self.opened.folder / name) == known.get(name, "") for name in names)

@@ -24,7 +24,7 @@ from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
-from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
+from fingerpad.web.events import Event, RunStatus
 from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
@@ -143,11 +143,7 @@ def edit(opened: Opened, params: Body[EditsParams]) -> State:
     return state_of(opened)
 
 
-@router.get(
-    "/events",
-    response_class=EventSourceResponse,
-    responses={200: {"model": StudyEvent | CorrectionsEvent | RunStatus}},
-)
+@router.get("/events", response_class=EventSourceResponse, responses={200: {"model": Event}})
 async def listen(opened: Opened) -> AsyncIterator[ServerSentEvent]:
     """Stream events, each with its kind: ``study``, ``corrections`` or ``run``."""
     async for event in opened.events.listen():

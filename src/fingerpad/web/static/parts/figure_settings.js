@@ -105,13 +105,13 @@ async function openFigureSettings({ name, caption }) {
 }
 
 /**
- * The button that opens the dialog for a figure, if the last run drew it so that it can be set.
+ * The button that opens the dialog for a figure, if the last run drew it.
  *
  * @param {Answers["FigureEntry"] | undefined} figure
  * @param {string} [kind] of the button
  */
 export const figureButton = (figure, kind = "small") =>
-  figure?.settable &&
+  figure &&
   button("Figure…", () => openFigureSettings(figure).catch(showError), {
     kind,
     label: `Size, axes and colours of ${figure.name}`,

@@ -160,7 +160,7 @@ export class PadView {
     }
     const which = this.finger
       ? { finger: this.finger }
-      : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
+      : { semi_axes_mm: AXES.map(([axis]) => this.axes[axis]) };
     this.live.request({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
   }
 
