@@ -104,12 +104,7 @@ async function openFigureSettings({ name, caption }) {
   drawings.request(address("svg"));
 }
 
-/**
- * The button that opens the dialog for a figure, if the last run drew it.
- *
- * @param {Answers["FigureEntry"] | undefined} figure
- * @param {string} [kind] of the button
- */
+/** The button that opens the dialog for a figure, if any. @param {Answers["FigureEntry"]} [figure] */
 export const figureButton = (figure, kind = "small") =>
   figure &&
   button("Figure…", () => openFigureSettings(figure).catch(showError), {
