@@ -217,7 +217,8 @@ def _to_test_better(curves: Sequence[CurveResult], summaries: Iterable[Summary])
     untested: dict[bool, dict[str, None]] = {True: {}, False: {}}  # with a curve that has no areas, or none
     for one in summaries:
         if not loading_radius(curves, one.finger_and_wedge):
-            untested[one.finger_and_wedge in fitted][one.finger] = None
+            where = f"{one.finger} at {one.wedge_angle_deg:g}°"
+            untested[one.finger_and_wedge in fitted][where] = None
     if untested[True]:
         named = joined(untested[True], _MOST_NAMED)
         yield f"record contact areas along the loading curve of {named}: without them it tests no radius"
