@@ -72,6 +72,8 @@ def test_headers_state_units() -> None:
 def test_doubts_of_what_no_finger_has() -> None:
     assert semi_axes_doubt((7.9, 13.8, 11.8)) == ""
     assert semi_axes_doubt((15.0, 28.4, 23.0)).startswith("radial_ulnar 23 mm would be a finger 46 mm wide")
+    assert semi_axes_doubt((7.9, 11.8, 13.8)) == ""
+    assert semi_axes_doubt((7.9, 9.5, 13.1)).startswith("radial_ulnar 13.1 mm is more than distal 9.5 mm")
     assert not list(load_doubts(2.0, 60.0))
     assert len(list(load_doubts(2000.0, 60000.0))) == 2
 

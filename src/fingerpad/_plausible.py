@@ -14,6 +14,7 @@ LEAST_SEMI_AXIS_MM: Final = 2.0
 # and 11.8 mm, and we know of no survey of pads; what is larger is noted, and measured all the same.
 _MOST_SEMI_AXIS_MM: Final = 15.0
 _MOST_FLATTENED: Final = 1.2  # palmar over another semi-axis; below 1 on a finger, about 1 on a sphere
+_LEAST_LONG: Final = 0.8  # distal over radial–ulnar; above 1 on a finger
 PLAUSIBLE_MODULUS_KPA: Final = (1.0, 5000.0)  # Young's modulus
 
 
@@ -31,6 +32,9 @@ def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
     other, name = min((distal, "distal"), (radial_ulnar, "radial_ulnar"))
     if palmar > _MOST_FLATTENED * other:
         return f"palmar {palmar:g} mm is more than {name} {other:g} mm, as of no finger: are the two swapped?"
+    if distal < _LEAST_LONG * radial_ulnar:
+        more = f"radial_ulnar {radial_ulnar:g} mm is more than distal {distal:g} mm"
+        return f"{more}, as of no finger: are the two swapped?"
     return ""
 
 

@@ -20,7 +20,7 @@ class Flag:
     code: str
     words: str
     to_do: str
-    excludes: Excludes = ""  # what a contact with it is kept out of
+    excludes: Excludes = ""  # what a contact or a curve with it is kept out of
 
 
 _REVIEW: Final = "look at its outline on the page, and accept or correct it"
@@ -231,13 +231,15 @@ _CURVE: Final = (
     ),
     Flag(
         "implausible_radius",
-        "the loading radius lies beyond any finger pad's",
+        "the loading radius lies beyond any finger pad's: the curve tests nothing",
         "check the units of displacement and area",
+        "pooling",
     ),
     Flag(
         "implausible_modulus",
-        "the modulus lies beyond any finger pad's",
+        "the modulus lies beyond any finger pad's: the curve tests none",
         "check the units of force and displacement",
+        "pooling",
     ),
     Flag(
         "no_pull_off",
@@ -395,8 +397,13 @@ _ROW: Final = (
         "check the scale of the photographs, or the unit of the semi-axes",
         "pooling",
     ),
-    Flag("implausible_modulus", "Young's modulus lies outside 1–5000 kPa", "check load and scale"),
+    Flag("implausible_modulus", "Young's modulus lies outside 1–5000 kPa", "check load and scale", "pooling"),
     Flag("deeper_than_pad", "the indentation exceeds the palmar semi-axis", _CHECK_UNITS),
+    Flag(
+        "as_wide_as_pad",
+        "the contact is as wide as the finger",
+        "check the scale; semi-axes of an ellipse are half its length and width",
+    ),
     Flag(
         "layer_out_of_range",
         "the contact is out of the range of the laws for a layer over bone",

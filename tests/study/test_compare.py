@@ -338,8 +338,10 @@ def test_different_versions_and_failures_are_told(runs, tmp_path):
 
 
 def test_moduli_that_no_finger_has_stand_in_no_mean(runs, tmp_path):
-    millinewtons = finger("index", 7.9, person="P07", heavy=2000)
-    wrong = ran(tmp_path / "wrong", "Lab D", millinewtons)
+    summaries = studies.summary_of(runs[2])["summaries"]
+    for one in summaries:
+        one["validity"]["headlines"]["youngs_modulus_kpa"]["value"] *= 1000
+    wrong = changed(runs[2], tmp_path / "wrong", title="Lab D", summaries=summaries)
     compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
     means, others = ([mean.value for mean in one.of("youngs_modulus_kpa")[1]] for one in (compared, alone))
     assert means == others

@@ -1,6 +1,7 @@
 """Loading curves in studies: fitted whole, by their slope alone, or with a radius from elsewhere."""
 
 import html
+import re
 import tomllib
 from pathlib import Path
 
@@ -132,7 +133,21 @@ def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path):
     assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
     assert FLAGS["curve"]["implausible_modulus"].words in "\n".join(doubtful_results(result))
     _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
-    assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in out
+    doubt = "doubtful: a.csv: the modulus lies beyond any finger pad's: the curve tests none; to do: check"
+    assert doubt in out
+    # Nor does a radius of no finger, as of a displacement in micrometres, test that of contacts.
+    rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1, 1000, 1]
+    write_numbers(tmp_path / "a.csv", HEADER, rows)
+    (curve,) = study(tmp_path, on_half_space()).curves
+    assert "implausible_radius" in curve.fit.flags
+    assert loading_radius([curve], ("f", 30.0, False)) is None
+
+
+def test_a_curve_of_a_finger_without_semi_axes_has_radius_and_modulus(tmp_path):
+    write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=0.04)
+    studies.write_study(tmp_path, finger(std=0), of_file())
+    _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
+    assert re.search(r"f, wedge 30°: R_g 1\S+ ± \S+ mm, E \d+\S* ± \S+ kPa at \S+ N from loading data", out)
 
 
 def test_a_stated_instrument_is_corrected_for(tmp_path):

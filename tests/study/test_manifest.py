@@ -208,6 +208,10 @@ def test_names_file_key_and_what_was_expected(tmp_path, text, message):
             "rows.csv, line 2: give either scale or ppi",
         ),
         (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
+        (
+            f"{HEADER}\n{CELLS.replace('45', chr(34) + '4,5' + chr(34))}",
+            "found '4,5'; write it with a decimal p",
+        ),
     ],
 )
 def test_names_the_line_of_a_spreadsheet(tmp_path, text, message):
@@ -224,14 +228,18 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path, encodin
     assert row.notes == "größer, als 1,5 N"
 
 
-def test_loads_of_a_spreadsheet_may_be_in_millinewtons(tmp_path):
-    head = "name;finger;wedge_angle_deg;Load (mN);semi_major_mm;semi_minor_mm;ellipse_mm_std"
-    cells = "b;index;45;300;5,3;4;0,1"
-    path = beside(tmp_path, head, cells, "c;index;45;1500,5;5,3;4;0,1")
-    assert [row.load_N for row in read_study(path).observations] == [0.3, 1.5005]
+def test_loads_and_lengths_of_a_spreadsheet_may_be_in_other_units(tmp_path):
+    head = "name;finger;wedge_angle_deg;Load (mN);semi_major_um;semi_minor_mm;ellipse_mm_std"
+    cells = "b;index;45;300;5301;4,12;0,1"
+    path = beside(tmp_path, head, cells, "c;index;45;1500,5;5301;4,12;0,1")
+    found = read_study(path)
+    assert [row.load_N for row in found.observations] == [0.3, 1.5005]
+    assert found.observations[0].ellipse_mm.semi_major == 5.301
+    (doubt,) = found.doubts()
+    assert doubt == "b and c: the same ellipse_mm to the last digit: is a press entered twice?"
     sheet = Sheet("rows.csv", path.with_name("rows.csv").read_bytes())
     sheet.change("b", {"load_N": 0.2504})
-    assert "b;index;45;250,4;5,3" in sheet.text()
+    assert "b;index;45;250,4;5301" in sheet.text()
     with pytest.raises(ManifestError, match=r"rows.csv, line 2: load_N.*'much'"):
         read_study(beside(tmp_path, head, cells.replace("300", "much")))
 

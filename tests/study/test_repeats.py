@@ -1,6 +1,7 @@
 """Repeats in studies: recognised, borrowed by single contacts, and pooled at each load."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,11 +9,23 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.claims.area_exponents import ERRORS, held, smooth
-from tests.studies import correct, finger, rows_by, rows_of, run_watched, study_of, summary_of, write_study
+from tests import studies
+from tests.studies import (
+    Table,
+    correct,
+    finger,
+    rows_by,
+    rows_of,
+    run_watched,
+    study_of,
+    summary_of,
+    write_study,
+)
 from tests.study.measured import AXES, frame, measured, pad
 
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
+from fingerpad.report.text import presses_unlike_repeats
 from fingerpad.study.manifest.models import Contact, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.pipeline import run_study
@@ -103,6 +116,36 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path):
     for name in rejected.keys() - {outlier}:
         stds = (rows[name]["youngs_modulus_kpa_std"] for rows in (left_out, rejected))
         assert next(stds) == pytest.approx(next(stds))
+
+
+def test_a_press_unlike_its_repeats_is_told_and_one_of_no_finger_moves_no_other(tmp_path):
+    """Twelve presses whose areas scatter by 3 %; one has a third less area, one its load in millinewtons."""
+    rng = np.random.default_rng(7)
+    given = {"axis": "", "std": 0.02}
+    presses = [
+        studies.contact(f"c{load}_{k}", load, tuple(size * load**0.3 * rng.normal([5, 4], 0.07)), **given)
+        for load in (0.5, 1, 2)
+        for k, size in enumerate((1, 1, 1, 0.81 if load == 1 else 1))
+    ]
+    result = studies.run(tmp_path / "a", finger(), *presses)
+    (words,) = presses_unlike_repeats(result)
+    assert re.fullmatch(
+        r"c1_3: 3\d % off the median area of .* one load, where [1-5]\.\d % is usual: .*", words
+    )
+    wrong = studies.contact("wrong", 700, (5.2, 4.1), **given)
+    (of, *_), (beside, *_) = (
+        result.summaries,
+        studies.run(tmp_path / "b", finger(), *presses, wrong).summaries,
+    )
+    assert beside.table.set_index("observation").loc["wrong", "excluding_flags"] == "implausible_modulus"
+    assert beside.corrected_radius.std == pytest.approx(of.corrected_radius.std, rel=1e-12)
+    # An order of rows that is off by one makes all loads doubtful.
+    loads = [2, *(one.keys["load_N"] for one in presses)]
+    shifted = [
+        Table(one.kind, one.keys | {"load_N": load}) for one, load in zip(presses, loads, strict=False)
+    ]
+    (words, *_) = presses_unlike_repeats(studies.run(tmp_path / "c", finger(), *shifted))
+    assert words.startswith("presses of one finger under one load differ in area by ")
 
 
 def test_frames_of_a_sequence_are_no_repeats():

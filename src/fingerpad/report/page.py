@@ -70,7 +70,11 @@ def write_page(
             pages=pages,
             failed=result.failed_contacts,
             notes=[*result.notes, *text.sequence_notes(result)],
-            odd=[*text.implausible_values(result), *text.moduli_apart(found)],
+            odd=[
+                *text.implausible_values(result),
+                *text.presses_unlike_repeats(result),
+                *text.moduli_apart(found),
+            ],
             better=list(text.to_measure_better(result)),
             most_failed=_MOST_FAILED,
             corrected=list(records(result.corrected[:_MOST_FAILED])),

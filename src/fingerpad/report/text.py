@@ -20,10 +20,11 @@ from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary
-from fingerpad.study.results.rows import IMPLAUSIBLE
+from fingerpad.study.results.repeats import unlike_repeats
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.study.results.table import items, records
+from fingerpad.study.results.validity.checks import PRESS_STD
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
     FAILS,
@@ -89,6 +90,10 @@ _LARGE_SHARE: Final = 0.3
 _MOST_APART, _FAR_APART, _LIKE_LOADS = 3.0, 1.2, 1.25
 
 _MOST_NAMED: Final = 3
+# Relative scatter of areas of repeats by which images, loads or angles look mixed up.
+_MOST_SCATTER: Final = 0.15
+# Range notes of what no finger has.
+_OF_NO_FINGER: Final = ("implausible_size", "implausible_modulus", "deeper_than_pad", "as_wide_as_pad")
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"
 _AXIS_WORDS: Final[Mapping[str, str]] = {
     "palmar": "palmar",
@@ -214,9 +219,10 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
 def _to_test_better(curves: Sequence[CurveResult], summaries: Iterable[Summary]) -> Iterator[str]:
     """Yield what loading data would test that no contact image does."""
     fitted = {curve.manifest.finger_and_wedge for curve in curves if curve.fit}
+    doubtful = {curve.manifest.finger_and_wedge for curve in curves if not curve.is_plausible}
     untested: dict[bool, dict[str, None]] = {True: {}, False: {}}  # with a curve that has no areas, or none
     for one in summaries:
-        if not loading_radius(curves, one.finger_and_wedge):
+        if not (loading_radius(curves, one.finger_and_wedge) or one.finger_and_wedge in doubtful):
             where = f"{one.finger} at {one.wedge_angle_deg:g}°"
             untested[one.finger_and_wedge in fitted][where] = None
     if untested[True]:
@@ -255,14 +261,32 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
     for summary in result.summaries:
-        counts, total = note_counts(summary), len(summary.places)
-        frames = " and frames" if summary.column("frame").notna().any() else ""
-        for code in IMPLAUSIBLE:
-            if counts[code]:
-                yield (
-                    f"{placement_words(summary)}: in {counts[code]} of {counted(total, 'contact')}{frames} "
-                    f"{FLAGS['row'][code].words}: {FLAGS['row'][code].to_do}"
-                )
+        noted = zip(summary.column("observation"), summary.column("range_notes"), strict=True)
+        names: dict[str, list[str]] = {}
+        for name, notes in noted:
+            for code in (notes or "").split():
+                names.setdefault(code, []).append(name)
+        for flag in (FLAGS["row"][code] for code in _OF_NO_FINGER if code in names):
+            which = joined(names[flag.code], _MOST_NAMED)
+            yield f"{placement_words(summary)}: {which}: {flag.words}: {flag.to_do}"
+
+
+def presses_unlike_repeats(result: StudyResult) -> Iterator[str]:
+    """Yield contacts that may be of another finger, load or angle than is stated, by their repeats."""
+    for repeats in result.repeatability.values():
+        if repeats.known and repeats.area_std > _MOST_SCATTER:
+            yield (
+                f"presses of one finger under one load differ in area by {100 * repeats.area_std:.0f} %, "
+                f"where {100 * PRESS_STD:.0f} % is usual: check that each image has its own load and angle"
+            )
+    if unlike := unlike_repeats(result.rows, result.repeatability.values()):
+        names = joined((one.observation for one in unlike), _MOST_NAMED)
+        off = sorted(100 * abs(one.ratio - 1) for one in unlike)
+        how_far = f"{off[0]:.0f} %" if len(off) == 1 else f"{off[0]:.0f} to {off[-1]:.0f} %"
+        yield (
+            f"{names}: {how_far} off the median area of the presses under one load, where "
+            f"{100 * unlike[0].usual_std:.1f} % is usual: check finger, load and angle"
+        )
 
 
 def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
@@ -330,10 +354,19 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
             found = loading_radius(result.curves, place) if name == finger.name else None
             if found is not None:
                 label = "  (synthetic)" if synthetic else ""
-                yield (
-                    f"{name}, wedge {wedge_angle_deg:g}°: R_g "
-                    f"{value_with_uncertainty(found.value, found.std)} mm from loading data{label}"
-                )
+                radius = f"R_g {value_with_uncertainty(found.value, found.std)} mm"
+                words = ", ".join((radius, *_moduli_of_curves(result.curves, place)))
+                yield f"{name}, wedge {wedge_angle_deg:g}°: {words} from loading data{label}"
+
+
+def _moduli_of_curves(curves: Iterable[CurveResult], place: tuple[str, float, bool]) -> Iterator[str]:
+    """Yield Young's modulus of each curve of a finger at an angle."""
+    for one in curves:
+        if one.manifest.finger_and_wedge == place and one.fit is not None and one.is_plausible:
+            modulus = one.fit.youngs_modulus.times(KPA_PER_MPA)
+            if modulus.known:
+                words = value_with_uncertainty(modulus.value, modulus.std)
+                yield f"E {words} kPa at {one.fit.modulus_load:.2g} N"
 
 
 def doubtful_results(result: StudyResult) -> Iterator[str]:

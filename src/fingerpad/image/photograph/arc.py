@@ -213,7 +213,8 @@ def _radii_of_curvature(values: Parameters, points: FloatArray) -> tuple[float, 
 def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
     """Return the parametric angle of points seen from an ellipse's centre, radians in (−π, π]."""
     local = (points - values[:2]) @ rotation(values[4])
-    return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of an axis that vanishes on the way of a search
+        return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
 
 
 def turns_from(middle: float, points: FloatArray, values: Parameters) -> FloatArray:

@@ -61,6 +61,8 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             words = f"{message}, found {repr(fault['input'])[:60]}"
             if fault["type"] == "float_type" and isinstance(fault["input"], str):
                 words += "; numbers stand without quotes and have a decimal point"
+            elif fault["type"] == "float_parsing" and "," in str(fault["input"]):
+                words += "; write it with a decimal point, as the other numbers of the table"
         else:
             words = message
         yield Fault(key_path(fault["loc"]), words)

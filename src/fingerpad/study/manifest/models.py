@@ -409,7 +409,8 @@ class ContactEllipse(ManifestModel):
     def _ordered(self) -> Self:
         if self.semi_minor > self.semi_major:
             raise ValueError(
-                f"semi_minor {self.semi_minor:g} must not exceed semi_major {self.semi_major:g}; swap them"
+                f"semi_minor {self.semi_minor:g} must not exceed semi_major {self.semi_major:g}; swap them, "
+                "and say in long_axis whether the longer one lies along or across the finger"
             )
         return self
 
@@ -657,6 +658,15 @@ class Study(ManifestModel):
             axes = finger.semi_axes_mm
             if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
+        entered: dict[tuple[float, float], list[str]] = {}
+        for observation in self.observations:
+            if (ellipse := observation.ellipse_mm) and ellipse.semi_major != round(ellipse.semi_major, 2):
+                axes_mm = ellipse.semi_major, ellipse.semi_minor
+                entered.setdefault(axes_mm, []).append(observation.name)
+        if twice := [names for names in entered.values() if len(names) > 1]:
+            others = f", and {len(twice) - 1} more of such" if len(twice) > 1 else ""
+            words = f"{joined(twice[0], 3)}: the same ellipse_mm to the last digit{others}"
+            yield f"{words}: is a press entered twice?"
         pressed = [one.name for one in self.observations if one.load_N > MOST_N]
         if pressed:
             yield f"{joined(pressed, 1)}: more than {MOST_N:g} N: is load_N in millinewtons, not newtons?"

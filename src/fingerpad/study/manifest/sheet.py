@@ -164,10 +164,16 @@ class Sheet:
 
 
 def _key_and_factor(title: str) -> tuple[str, float]:
-    """Return the key of a header, as load_N of "Load (mN)", or the header, and the factor on its cells."""
+    """Return the key of a header, as load_N of "Load (mN)", or the header, and the factor on its cells.
+
+    Units are those of loads and lengths that `FACTORS` knows.
+    """
     word, unit, _ = header_parts(title)
     if word == "load" and unit in FACTORS["force"]:
         return "load_N", FACTORS["force"][unit]
+    if unit in FACTORS["displacement"]:
+        key, factor = f"{word.replace(' ', '_')}_mm", FACTORS["displacement"][unit]
+        return (key, factor) if key in _KEYS else (title, 1.0)
     key = "_".join(filter(None, (word.replace(" ", "_"), unit)))
     return (key if key in _KEYS else title), 1.0
 

@@ -1,5 +1,6 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -208,18 +209,19 @@ POOLED_IF_REVIEWED: Final = frozenset(
 )
 # The ridge area is an upper bound; area and ellipse of the contact are no less sure.
 RIDGES_MERGE: Final = "ridges_merge"
-# A range note: with a pad of no finger's size, no radius is one.
+# Range notes: with a pad of no finger's size, no radius is one; with a modulus of none, the load is doubtful.
 IMPLAUSIBLE_SIZE: Final = "implausible_size"
+_EXCLUDING_NOTES: Final = tuple(flag.code for flag in FLAGS["row"].values() if flag.excludes == "pooling")
 _REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 
-def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool = True) -> frozenset[str]:
-    """Return the flags of a contact, and the range note, that keep it out of pooled results."""
+def excluding_flags(contact: Contact, measured: Measurement, notes: Iterable[str] = ()) -> frozenset[str]:
+    """Return the flags of a contact, and the range notes, that keep it out of pooled results."""
     excluding = NEVER_POOLED
     if measured.reviewed not in _REVIEWED:
         chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))
         excluding |= POOLED_IF_REVIEWED - ({"several_regions"} if chosen else set())
-    return excluding.intersection(measured.flags) | (set() if plausible else {IMPLAUSIBLE_SIZE})
+    return excluding.intersection(measured.flags).union(note for note in notes if note in _EXCLUDING_NOTES)
 
 
 def is_pooled(measured: Measurement, excluding: frozenset[str]) -> bool:

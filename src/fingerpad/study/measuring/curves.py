@@ -71,6 +71,16 @@ class CurveResult:
         return self.fit is None and math.isnan(self.loading_radius)
 
     @property
+    def radius_is_plausible(self) -> bool:
+        """Whether R_g can be a finger pad's, as far as a fit tells."""
+        return self.fit is None or "implausible_radius" not in self.fit.flags
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether R_g and modulus can be a finger pad's: if not, one of its units is another."""
+        return self.radius_is_plausible and (self.fit is None or "implausible_modulus" not in self.fit.flags)
+
+    @property
     def name(self) -> str:
         """The file, or whose radius was given."""
         return (
@@ -105,7 +115,7 @@ class CurveItem(OneTaskItem[Curve]):
     def work(self) -> Work:
         """Return what fits it."""
         pad, given = pad_of(self.finger, self.photographs, self.context), self.context.study.uncertainty
-        known = pad.reason is None
+        known = pad.has_semi_axes
         return partial(
             _record,
             curve=self.table,
@@ -350,7 +360,9 @@ def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, boo
     fitting = [
         one
         for one in curves
-        if one.manifest.finger_and_wedge == pressed and math.isfinite(one.loading_radius)
+        if one.manifest.finger_and_wedge == pressed
+        and math.isfinite(one.loading_radius)
+        and one.radius_is_plausible
     ]
     if not fitting:
         return None

@@ -5,26 +5,35 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice, takewhile
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy import special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad._words import counted
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest.models import Contact, Observation, Study
-from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
+from fingerpad.study.measuring.contacts import (
+    IMPLAUSIBLE_SIZE,
+    RIDGES_MERGE,
+    Measurement,
+    excluding_flags,
+    is_pooled,
+)
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
+from fingerpad.study.results.validity.checks import PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
-from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter
+from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter, pad_model
 from fingerpad.uncertainty.propagate import NORMAL_97_5
+from fingerpad.uncertainty.quantities import evaluate
 from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads, too_few_repeats
 from fingerpad.uncertainty.scatter import MIN_LEVEL_FREEDOM, REPEAT
 from fingerpad.units import KPA_PER_MPA
@@ -51,6 +60,9 @@ QUANTITY_COLUMNS: Final = (
     *("ridge_area_mm2", "flags", "youngs_modulus_kpa", "radius_from_indentation_mm"),
 )
 _AT_ONCE: Final = 500
+# An area is unlike its repeats from so many usual deviations on, and from this difference of logarithms; a
+# median of three is the least, and so many deviations tell what is usual.
+_UNLIKE, _LEAST_UNLIKE, _FEWEST_REPEATS, _ENOUGH = 5.0, 0.2, 3, 6
 
 
 def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
@@ -67,7 +79,10 @@ def contact_repeatability(
 ) -> dict[bool, ContactRepeatability]:
     """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
     known = {False: _Repeats(), True: _Repeats()}
-    plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
+    notes = {
+        name: [IMPLAUSIBLE_SIZE] if implausible_size(finger.semi_axes).any() else []
+        for name, finger in fingers.items()
+    }
     placed = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg) for one in study.observations}
     # Where no finger has two observations at one placement nothing need be read.
     has_repeats = not study.observations or len(placed) < len(study.observations)
@@ -77,7 +92,7 @@ def contact_repeatability(
         for contact, measured in batch:
             assert isinstance(contact, Observation)
             finger = fingers[contact.finger]
-            excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
+            excluding = excluding_flags(contact, measured, notes[contact.finger])
             if is_pooled(measured, excluding):
                 pooled[contact.synthetic or finger.synthetic].append((contact, measured))
         for synthetic, some in pooled.items():
@@ -101,8 +116,14 @@ class _Repeats:
         fingers: Mapping[str, FingerResult],
         seen: Sequence[tuple[Observation, Measurement]],
     ) -> None:
-        """Add some contacts."""
+        """Add some contacts, without those whose modulus no finger has: their rows are not pooled either."""
         inputs = contact_inputs(study, fingers, seen)
+        with np.errstate(all="ignore"):
+            outputs, values = evaluate(pad_model, inputs.names, inputs.mean)
+        modulus, (least, most) = values[:, outputs.index("youngs_modulus")], PLAUSIBLE_MODULUS_KPA
+        # Of a finger without semi-axes it is not known.
+        plausible = ~((KPA_PER_MPA * modulus < least) | (KPA_PER_MPA * modulus > most))
+        inputs, seen = inputs.at(plausible), [one for one, good in zip(seen, plausible, strict=True) if good]
         places = inputs.places(["contact_radius", "elongation"])
         radius = inputs.mean[:, places[0]]
         unit = np.stack([1 / radius, np.ones_like(radius)], axis=-1)
@@ -171,6 +192,38 @@ def _scatter(
         if not one.known
     }
     return StudyScatter(quantity=quantity, synthetic=synthetic, scatter=scatter, missing=missing)
+
+
+class UnlikeRepeat(NamedTuple):
+    """A contact whose area is none of those that its repeats have."""
+
+    observation: str
+    ratio: float  # of its area to the median of all of them
+    usual_std: float  # relative standard deviation of an area about such a median
+
+
+def unlike_repeats(table: pd.DataFrame, repeatability: Iterable[ContactRepeatability]) -> list[UnlikeRepeat]:
+    """Return contacts that count whose areas depart from their repeats' by far more than repeats do.
+
+    How far repeats depart is the median over all of them, which a few wrong ones do not move, or how they
+    scatter within sessions, if that is less.
+    """
+    rows = table[["observation", "finger", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
+    rows = rows[table["pooled"] & table["frame"].isna()]
+    placed = zip(items(rows["finger"]), *(items(rows[name]) for name in _PLACED), strict=True)
+    area = pd.Series(np.log(contact_quantity(rows, "contact_area")))
+    repeats = area.groupby(conditions_of(placed, rows["load_N"].to_numpy()))
+    size, apart = repeats.transform("size"), area - repeats.transform("median")
+    several = apart[(size >= _FEWEST_REPEATS) & (apart != 0)].abs()
+    # The median size of a normal deviate is 0.67 standard deviations, and of three about their median 0.7.
+    usual = several.median() / 0.7 if several.size >= _ENOUGH else PRESS_STD
+    usual = min([usual, *(one.area_std for one in repeatability if one.known)])
+    odd = several[several > np.maximum(_UNLIKE * usual, _LEAST_UNLIKE)].index
+    names = items(rows["observation"].iloc[odd])
+    return [
+        UnlikeRepeat(name, math.exp(apart[place]), float(usual))
+        for name, place in zip(names, odd, strict=True)
+    ]
 
 
 def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:

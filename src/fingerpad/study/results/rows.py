@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from itertools import islice
+from itertools import islice, repeat
 from operator import length_hint
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -16,7 +16,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, Observation, Study
-from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, excluding_flags, is_pooled
+from fingerpad.study.measuring.contacts import Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns, unit_of
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
@@ -28,9 +28,8 @@ from fingerpad.uncertainty.repeats import ContactRepeatability
 PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
 PlacementKey: TypeAlias = tuple[Any, ...]
 
-# What no contact of a finger has, at any load: the input is wrong.
-IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pad")
-
+# Share of the pad's half-width from which a contact is as wide as the finger.
+_AS_WIDE: Final = 0.9
 # Columns that a measurement has as they are.
 _MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
 _OF_THE_CONTACT: Final = np.isin(PART_SOURCES, [source for source in PAD_SOURCES if source not in GEOMETRY])
@@ -166,6 +165,7 @@ class _Batch:
             for name, answer in answers.items():
                 self.columns[name] = COLUMNS[name].unknown(len(seen))
                 self.columns[name][self.good] = answer
+        self.columns |= _pooling(seen, self.columns)
 
     @property
     def on_layer(self) -> BoolArray:
@@ -201,8 +201,6 @@ def _described(
 ) -> dict[str, ColumnArray]:
     """Return the columns known before any model."""
     contacts, measured = zip(*seen, strict=True)
-    plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
-    excluding = [excluding_flags(contact, one, plausible=plausible[contact.finger]) for contact, one in seen]
     known: dict[str, Iterable[Any]] = {
         **{name: [getattr(one, name) for one in measured] for name in _MEASURED},
         "finger": (contact.finger for contact in contacts),
@@ -214,14 +212,6 @@ def _described(
         "synthetic": (contact.synthetic or fingers[contact.finger].synthetic for contact in contacts),
         "flags": (" ".join(one.flags) for one in measured),
         "measured_by": (one.measured_by or _measured_by(contact) for contact, one in seen),
-        "pooled": (
-            reason is None and is_pooled(one, flags)
-            for reason, one, flags in zip(reasons, measured, excluding, strict=True)
-        ),
-        "excluding_flags": (
-            " ".join(flag for flag in (*one.flags, IMPLAUSIBLE_SIZE) if flag in flags)
-            for one, flags in zip(measured, excluding, strict=True)
-        ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
         "session": (contact.session if isinstance(contact, Observation) else None for contact in contacts),
@@ -246,6 +236,24 @@ def _described(
             "edge_offset_mm_std": edge_std,
             "aspect_ratio": major / minor,
         }
+
+
+def _pooling(seen: Seen, columns: Mapping[str, ColumnArray]) -> dict[str, ColumnArray]:
+    """Return whether rows count in pooled results, and the flags and range notes that keep them out."""
+    noted = [(words or "").split() for words in columns.get("range_notes", repeat(None, len(seen)))]
+    excluding = [excluding_flags(*one, notes) for one, notes in zip(seen, noted, strict=True)]
+    return {
+        "pooled": np.array(
+            [
+                reason is None and is_pooled(measured, flags)
+                for reason, (_, measured), flags in zip(columns["reason"], seen, excluding, strict=True)
+            ]
+        ),
+        "excluding_flags": COLUMNS["excluding_flags"].array(
+            " ".join(flag for flag in (*measured.flags, *notes) if flag in flags)
+            for (_, measured), notes, flags in zip(seen, noted, excluding, strict=True)
+        ),
+    }
 
 
 def _measured_by(contact: Contact) -> str:
@@ -323,6 +331,7 @@ def _range_notes(
         "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < least) | (row["youngs_modulus_kpa"] > most),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
+        "as_wide_as_pad": row["semi_minor_mm"] > _AS_WIDE * semi_axes[:, 2],
         "layer_out_of_range": np.array([bool(flag) for flag in row["layer_flag"]], dtype=bool),
     }
     kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)

@@ -28,7 +28,6 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import CorrectedPooling, parts_of_item
 from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.contacts import (
-    IMPLAUSIBLE_SIZE,
     Measurement,
     excluding_flags,
     from_contact_image,
@@ -292,8 +291,8 @@ class _Image:
         if isinstance(self.contact, ContactSequence):
             return None
         active = self.opened.corrections.active_correction(self.item)
-        seen, plausible = reviewed(measured, active), IMPLAUSIBLE_SIZE not in model.range_notes
-        excluding = excluding_flags(self.contact, seen, plausible=plausible)
+        seen = reviewed(measured, active)
+        excluding = excluding_flags(self.contact, seen, model.range_notes)
         return ContactPooling(
             pooled=is_pooled(seen, excluding),
             excluding_flags=sorted(excluding),

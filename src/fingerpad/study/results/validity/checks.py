@@ -80,11 +80,12 @@ class FingerAtAngle:
             summary.where(summary.column("observation") == highest.observation)
         )
         self.loading = loading_radius(curves, summary.finger_and_wedge)
-        # Of curves on which the place of contact was found.
+        # Of curves in plausible units on which the place of contact was found.
         self.fits = tuple(
             one.fit
             for one in curves
             if one.fit is not None
+            and one.is_plausible
             and one.manifest.finger_and_wedge == summary.finger_and_wedge
             and 0 < one.fit.contact_offset.std < math.inf
         )
