@@ -16,7 +16,7 @@ from fingerpad.image import ContactImageResult, measure_contact_image
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.uncertainty import pool
 
 ELLIPSE = np.array([7.4, 5.0])
@@ -62,7 +62,7 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
 
     Each image's errors of the semi-axes are those of contacts with one true ellipse, on an exact pad.
     """
-    rows = model_contacts(STUDY, {"f": EXACT}, [_contact(one, k, shared) for k, one in enumerate(some)])
+    rows = Rows(STUDY, {"f": EXACT}, [_contact(one, k, shared) for k, one in enumerate(some)])
     (summary,) = pool_contacts(rows)
     assert summary.corrected_radius is not None  # nothing fails
     pooled = summary.corrected_radius

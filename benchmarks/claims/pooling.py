@@ -22,7 +22,7 @@ from fingerpad.study.compare import Person, Value, means_of
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
 
 PAD = np.array([7.9, 13.8, 11.8])
@@ -135,7 +135,7 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
         seen = [
             _contact(random, float(load), relative_std, elongation) for load in np.geomspace(0.25, 4, count)
         ]
-        (summary,) = pool_contacts(model_contacts(study, pads, seen))
+        (summary,) = pool_contacts(Rows(study, pads, seen))
         pooled = [each for each in (summary.corrected_radius, summary.compliance_radius) if each]
         off, stds = np.array([each.value for each in pooled]) - truth, np.array([each.std for each in pooled])
         return off, stds, np.abs(off) < 1.96 * stds

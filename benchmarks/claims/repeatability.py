@@ -18,7 +18,7 @@ from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import AtLoadRecord
 from fingerpad.uncertainty import nested_scatter, pad_model
 
@@ -115,7 +115,7 @@ def mean_coverage(population: Population, design: Design, studies: int, seed: in
                 seen.append(_contact(rng, where, load, log_axes))
                 truths[where[0], load] = drawn.of_finger[place] + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
-        rows = model_contacts(study, pads, seen, repeatability)
+        rows = Rows(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
             for name, (low, high), truth in _pairs(at, truths[at.finger, at.load_N]):
                 held[name].append(low <= truth <= high)

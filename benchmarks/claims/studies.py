@@ -13,7 +13,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 
 LOADS = (0.25, 0.5, 1.0, 2.0, 4.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD = 0.1, 0.5, 0.02, 0.01, 0.05
@@ -39,7 +39,7 @@ def simulated_study(seed: int) -> Scores:
     study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
     seen_axes = axes + rng.normal(0, AXES_STD, 3)
     seen = list(_contacts(rng, wedge, elongation))
-    rows = model_contacts(study, {"f": finger("f", seen_axes, AXES_STD)}, seen)
+    rows = Rows(study, {"f": finger("f", seen_axes, AXES_STD)}, seen)
     (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None  # nothing simulated is doubtful

@@ -23,7 +23,7 @@ from fingerpad.study.manifest.models import Curve, Observation, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import ValidityRecord
 from fingerpad.study.results.validity.checks import validity_of
 from fingerpad.study.results.validity.model_checks import INDENTATION, MODULUS, RADIUS
@@ -133,7 +133,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     t = truth.stated_thickness
     thickness: dict[str, Any] = {"effective_thickness": t, "effective_thickness_std": t and 0.1 * t}
     pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
-    rows = model_contacts(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
+    rows = Rows(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
     summaries = pool_contacts(rows)
     curve = _curve(truth, radii, (wedge, pad.semi_axes), rng, folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])

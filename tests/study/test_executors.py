@@ -5,6 +5,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.runner import records_of, run_plans
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Record, Task
-from fingerpad.study.engine.worker import Worker, local_executor
+from fingerpad.study.engine.worker import LocalExecutor, Worker
 
 
 def process(*_: Path) -> Record:
@@ -79,7 +80,10 @@ def task(number: int, work=process) -> Task:
 def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIMITS) -> list[Record]:
     tasks = [task(number, work) for number, work in enumerate(works)]
     folder.mkdir(exist_ok=True)
-    with Store.writing(folder / STORE_NAME) as store, local_executor(folder, workers, limits) as executor:
+    with (
+        Store.writing(folder / STORE_NAME) as store,
+        closing(LocalExecutor(folder, workers, limits)) as executor,
+    ):
         return list(records_of(tasks, executor, store, folder).values())
 
 
@@ -100,7 +104,7 @@ def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path):
             asked.append(number)
             yield task(number)
 
-    with Store.writing(tmp_path / STORE_NAME) as store, local_executor(tmp_path, 1) as executor:
+    with Store.writing(tmp_path / STORE_NAME) as store, closing(LocalExecutor(tmp_path, 1)) as executor:
         found = records_of(tasks(), executor, store, tmp_path, lambda _: before_each.append(len(asked)))
     assert len(found) == 5
     assert before_each[0] == executor.capacity == 2
@@ -214,7 +218,7 @@ def test_a_second_interrupt_does_not_wait(tmp_path):
 
     thread = threading.Thread(target=interrupt)
     thread.start()
-    with local_executor(tmp_path, 1) as executor, pytest.raises(KeyboardInterrupt):
+    with closing(LocalExecutor(tmp_path, 1)) as executor, pytest.raises(KeyboardInterrupt):
         run_plans([iter([[task(0, endless)]])], executor, lambda *one: stored.append(one), lambda _: False)
     thread.join()
     assert stored == []

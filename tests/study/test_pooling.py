@@ -1,6 +1,7 @@
 """Pooled radii: what is shared stays, budgets add up, and the close look agrees with itself."""
 
 import math
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from fingerpad.study.measuring.contacts import Measurement, excluding_flags, rev
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius, area_exponent, pool_contacts
-from fingerpad.study.results.rows import Rows, model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.study_result import StudyResult, check_uncertainty
 from fingerpad.study.results.table import first_record, records
 from fingerpad.uncertainty import PAD_SOURCES
@@ -129,7 +130,7 @@ def contact(
 
 def modelled(*seen: tuple[Observation, Measurement], scale: str | None = None) -> Rows:
     """Return the rows of contacts of the finger."""
-    return model_contacts(STUDY, {"f": finger(scale)}, seen)
+    return Rows(STUDY, {"f": finger(scale)}, seen)
 
 
 def with_parts(rows: Rows, parts: dict[tuple[str, int], float], **more: Any) -> Rows:
@@ -137,7 +138,10 @@ def with_parts(rows: Rows, parts: dict[tuple[str, int], float], **more: Any) -> 
     every = np.zeros((len(rows.pooled), len(POOLED_OUTPUTS), PART_SOURCES.size))
     for (source, place), part in parts.items():
         every[:, :, np.flatnonzero(source == PART_SOURCES)[place]] = part
-    return replace(rows, parts=every, **more)
+    changed = copy(rows)
+    for name, of in {"parts": every, **more}.items():
+        setattr(changed, name, of)
+    return changed
 
 
 def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
@@ -209,7 +213,7 @@ def test_the_edge_is_not_counted_twice_in_the_ellipse():
 def test_images_of_one_device_share_its_edge(scales, sizes):
     seen = [contact(0, scale, **EDGE) for scale in scales]
     exact = replace(finger(None), covariance=1e-12 * np.eye(3))
-    rows = model_contacts(STUDY, {"f": exact}, seen)
+    rows = Rows(STUDY, {"f": exact}, seen)
     found = pooled(rows, [0, 1, 2])
     alone = rows.table[f"{OUTPUT}_mm_edge_std"].to_numpy()[0]
     expected = alone * np.linalg.norm(sizes) / 3

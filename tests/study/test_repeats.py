@@ -32,7 +32,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.pooling import Exponent, area_exponent, pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
-from fingerpad.study.results.rows import Rows, model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import ValidityRecord
 from fingerpad.study.results.table import records
 from fingerpad.study.results.validity.checks import validity_of
@@ -64,7 +64,7 @@ def contact(
 
 
 def modelled(*seen: tuple[Contact, Measurement], known: Any = None) -> Rows:
-    return model_contacts(STUDY, PADS, seen, *([known] if known else []))
+    return Rows(STUDY, PADS, seen, *([known] if known else []))
 
 
 def repeats(count: int = 4) -> list[tuple[Observation, Measurement]]:

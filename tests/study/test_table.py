@@ -14,7 +14,7 @@ from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results import rows as rows_module
 from fingerpad.study.results.output import write_rows
 from fingerpad.study.results.pooling import pool_contacts
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import COLUMNS, Row, first_record, groups, records, table_of
 
 KEYS = ("observation", "finger", "load_N", "frame", "pooled", "sequence")
@@ -124,9 +124,9 @@ def many(count: int) -> Iterator[tuple[Contact, Measurement]]:
 
 
 def test_batches_change_nothing(monkeypatch):
-    whole = model_contacts(STUDY, {"f": pad()}, many(300))
+    whole = Rows(STUDY, {"f": pad()}, many(300))
     monkeypatch.setattr(rows_module, "_AT_ONCE", 7)
-    parted = model_contacts(STUDY, {"f": pad()}, many(300))
+    parted = Rows(STUDY, {"f": pad()}, many(300))
     pd.testing.assert_frame_equal(whole.table, parted.table, rtol=1e-9)
     for one, other in zip(pool_contacts(whole), pool_contacts(parted), strict=True):
         assert one.pooled_from == other.pooled_from
@@ -150,14 +150,14 @@ def test_no_more_than_a_batch_is_held():
             yield where, counted
             del counted
 
-    assert len(model_contacts(STUDY, {"f": pad()}, seen()).table) == 1_900
+    assert len(Rows(STUDY, {"f": pad()}, seen()).table) == 1_900
     assert most <= 2 * rows_module._AT_ONCE
 
 
 def test_very_many_single_contacts_are_pooled_without_a_matrix():
     count = 20_000  # whose matrix would take 3 GB
     singles = (one for one in many(2 * count) if isinstance(one[0], Observation) and not one[1].reason)
-    rows = model_contacts(STUDY, {"f": pad()}, singles)
+    rows = Rows(STUDY, {"f": pad()}, singles)
     (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None

@@ -99,8 +99,7 @@ def _measured(way: str, given: Mapping[str, Any]) -> "fp.Scale":
     """Return the scale that a way means, checked and measured as that of a manifest."""
     from pydantic import TypeAdapter
 
-    from fingerpad.study.manifest.messages import checked
-    from fingerpad.study.manifest.models import OwnScale
+    from fingerpad.study.manifest.models import OwnScale, checked
     from fingerpad.study.measuring.context import measure_scale
 
     keys = {_FLAGS[flag][0]: flag for flag in _flags_of(way)}

@@ -14,15 +14,8 @@ from fingerpad._files import explain_write_errors, make_folder
 from fingerpad._json import dumps
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.exceptions import FingerpadError
+from fingerpad.study.results import summary_file
 from fingerpad.study.results.result_set import require_result_set
-from fingerpad.study.results.summary_file import (
-    CurveRecord,
-    FingerRecord,
-    LayerValidityRecord,
-    PlacementRecord,
-    SummaryFile,
-    ValidityRecord,
-)
 from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
 
 
@@ -30,14 +23,16 @@ class FinishedStudy(NamedTuple):
     """The results of one run."""
 
     folder: Path
-    summary: SummaryFile
+    summary: summary_file.SummaryFile
 
     @property
     def title(self) -> str:
         """The study's title."""
         return self.summary.title
 
-    def owner(self, of: FingerRecord | PlacementRecord | CurveRecord) -> dict[str, Any]:
+    def owner(
+        self, of: summary_file.FingerRecord | summary_file.PlacementRecord | summary_file.CurveRecord
+    ) -> dict[str, Any]:
         """Return the first fields of an `OfFinger` from a part of the summary."""
         finger = self.summary.finger(of.finger)
         assert finger is not None  # as a run writes it
@@ -48,8 +43,8 @@ class FinishedStudy(NamedTuple):
             "person": Person(finger.person or self.title, bool(finger.person)),
             "synthetic": of.synthetic,
             # What is of the finger alone has no angles.
-            "wedge_angle_deg": None if isinstance(of, FingerRecord) else of.wedge_angle_deg,
-            "roll_angle_deg": of.roll_angle_deg if isinstance(of, PlacementRecord) else None,
+            "wedge_angle_deg": None if isinstance(of, summary_file.FingerRecord) else of.wedge_angle_deg,
+            "roll_angle_deg": of.roll_angle_deg if isinstance(of, summary_file.PlacementRecord) else None,
         }
 
     def __repr__(self) -> str:
@@ -63,7 +58,7 @@ def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
     for path in paths:
         folder = path.parent if path.is_file() else path
         require_result_set(folder)
-        study = FinishedStudy(folder, SummaryFile.read(folder))
+        study = FinishedStudy(folder, summary_file.SummaryFile.read(folder))
         inputs = study.summary.provenance.inputs_sha256
         for other in studies:
             same = inputs and inputs == other.summary.provenance.inputs_sha256
@@ -96,11 +91,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     line["quantity"]: Quantity(line["symbol"], line["unit"], line["words"], line["positive"] == "yes")
     for line in package_table("fingerpad.study", "quantities.csv")
 }
-_FROM_CURVES: Final = {
-    "initial_modulus_kpa": "initial_modulus_kpa",
-    "load_exponent": "load_exponent",
-    "curve_area_exponent": "area_exponent",
-}
+_FROM_CURVES: Final = ("initial_modulus_kpa", "load_exponent", "curve_area_exponent")
 _ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
 _AREA: Final = "highest_area_mm2"
 _AT_LOAD: Final = {_AREA, "youngs_modulus_kpa", _ON_LAYER}
@@ -192,7 +183,9 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
     """Return the verdicts of a study on Hertz theory and on its layers, in its own order."""
     verdicts = []
     for one in study.summary.summaries:
-        models: dict[str, ValidityRecord | LayerValidityRecord] = {"Hertz theory": one.validity}
+        models: dict[str, summary_file.ValidityRecord | summary_file.LayerValidityRecord] = {
+            "Hertz theory": one.validity
+        }
         if one.validity.on_layer and one.on_layer:
             models[f"{one.on_layer.effective_thickness_mm:g} mm of tissue over bone"] = one.validity.on_layer
         for model, found in models.items():
@@ -211,19 +204,33 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
 
 def values_of(study: FinishedStudy) -> list[Value]:
     """Return all values that a study tells, in its own order; what it does not know is left out."""
-    found = (*_of_fingers(study), *_of_placements(study), *_of_curves(study))
-    return [value for value in found if math.isfinite(value.value)]
-
-
-def _of_fingers(study: FinishedStudy) -> Iterator[Value]:
-    for finger in study.summary.fingers:
-        for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
-            yield Value(
+    found = [
+        Value(
+            quantity=quantity,
+            **study.owner(finger),
+            value=getattr(finger, quantity),
+            std=math.sqrt(finger.covariance_mm2[place][place]),
+        )
+        for finger in study.summary.fingers
+        for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm"))
+    ]
+    found += _of_placements(study)
+    gain = study.summary.load_gain_relative_std
+    for curve in study.summary.curves:
+        for quantity in _FROM_CURVES if curve.fit else ():
+            key = quantity.removeprefix("curve_")
+            value = getattr(curve.fit, key)
+            one = Value(
                 quantity=quantity,
-                **study.owner(finger),
-                value=getattr(finger, quantity),
-                std=math.sqrt(finger.covariance_mm2[place][place]),
+                **study.owner(curve) | {"roll_angle_deg": 0.0},
+                value=value,
+                std=getattr(curve.fit, f"{key}_std"),
+                gain_std=gain * value if quantity == "initial_modulus_kpa" else 0.0,
+                source=curve.file or "",
+                velocity_mm_per_s=curve.velocity_mm_per_s,
             )
+            found.append(one)
+    return [value for value in found if math.isfinite(value.value)]
 
 
 def _of_placements(study: FinishedStudy) -> Iterator[Value]:
@@ -265,21 +272,6 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
                 load=summary.highest_load_N if quantity in _AT_LOAD else math.nan,
-            )
-
-
-def _of_curves(study: FinishedStudy) -> Iterator[Value]:
-    gain = study.summary.load_gain_relative_std
-    for curve in study.summary.curves:
-        for quantity, key in _FROM_CURVES.items() if curve.fit else ():
-            yield Value(
-                quantity=quantity,
-                **study.owner(curve) | {"roll_angle_deg": 0.0},
-                value=getattr(curve.fit, key),
-                std=getattr(curve.fit, f"{key}_std"),
-                gain_std=gain * getattr(curve.fit, key) if quantity == "initial_modulus_kpa" else 0.0,
-                source=curve.file or "",
-                velocity_mm_per_s=curve.velocity_mm_per_s,
             )
 
 

@@ -7,20 +7,8 @@ from typing import Final
 
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.study.editing import propose
 from fingerpad.study.editing.edit import change_study, create_study
-from fingerpad.study.editing.propose import (
-    COIN,
-    TAKES,
-    USES,
-    NewFile,
-    named_file,
-    proposed_edits,
-    stated_values,
-    with_guess,
-    with_guessed_scale,
-    with_scales,
-    written_scale,
-)
 from fingerpad.study.imports.identify import Guess, identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.study.status import Missing, lacking, unused_files
@@ -29,7 +17,9 @@ _USELESS: Final = (
     "nothing that a study needs, as far as names of columns tell: a spreadsheet of files has file, finger, "
     "wedge, load and scale, a table of a press time, force, displacement and area, each with its unit"
 )
-_WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}
+_WORDS: Mapping[str, str] = {
+    use: words for uses in propose.USES.values() for use, words in uses.items() if use
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,16 +42,19 @@ def start_study(
     files that state none, `scale` that of contact images and sequences for which no spreadsheet states one,
     as ``500 ppi`` or ``0.05 mm/px``: it holds before what pictures say of themselves.
     """
-    scale = scale and written_scale(scale, ())
+    scale = scale and propose.written_scale(scale, ())
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")
     title = folder.resolve().name
     empty = LoadedStudy.empty(folder)
     left: dict[str, str] = {}
-    found: dict[str, tuple[NewFile, Guess]] = {}
+    found: dict[str, tuple[propose.NewFile, Guess]] = {}
     for one in unused_files(empty):
         try:
-            found[one.key] = _looked_at(folder, one.key, is_frames=one.kind == "folder")
+            guess = Guess(kind="sequence", uses=("sequence",), sure=True)  # of a folder of frames
+            if one.kind != "folder":
+                guess = propose.with_scales(identify_file(folder / one.key), {})
+            found[one.key] = propose.with_guess(propose.named_file(one.key, guess.kind, ()), guess), guess
         except FingerpadError as error:
             left[one.key] = f"cannot be read: {error}"
     if not found:
@@ -69,11 +62,11 @@ def start_study(
     read, problems = _filled_in(folder, found)
     coins = [file for file, (new, _) in found.items() if new.use == "coin"]
     for file, (new, guess) in found.items():
-        own = new if new.finger or new.use not in TAKES else replace(new, finger=finger)
+        own = new if new.finger or new.use not in propose.TAKES else replace(new, finger=finger)
         if own.use == "photograph" and not own.scale and len(coins) == 1:
-            own = replace(own, scale=COIN + coins[0])
+            own = replace(own, scale=propose.COIN + coins[0])
         found[file] = _stated_for_all(own, scale, wedge_angle_deg), guess
-    proposal = proposed_edits(empty, [new for new, _ in found.values()])
+    proposal = propose.proposed_edits(empty, [new for new, _ in found.values()])
     if proposal.waiting and not any(edit.kind == "finger" for edit in proposal.edits):
         raise ManifestError(
             f"{folder}: no study was written, since nothing states which finger {proposal.waiting[0]} shows"
@@ -106,7 +99,7 @@ def start_study(
     )
 
 
-def _stated_for_all(own: NewFile, scale: str, wedge_angle_deg: float | None) -> NewFile:
+def _stated_for_all(own: propose.NewFile, scale: str, wedge_angle_deg: float | None) -> propose.NewFile:
     """Return a file with the scale and the wedge angle of all files, where nothing states others."""
     if own.wedge_angle_deg is None:
         own = replace(own, wedge_angle_deg=wedge_angle_deg)
@@ -115,15 +108,9 @@ def _stated_for_all(own: NewFile, scale: str, wedge_angle_deg: float | None) -> 
     return replace(own, scale=scale, guessed=tuple(key for key in own.guessed if key != "scale"))
 
 
-def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Guess]:
-    """Return what a file is taken as; a folder of frames is a sequence."""
-    if is_frames:
-        return named_file(file, "sequence", ()), Guess(kind="sequence", uses=("sequence",), sure=True)
-    guess = with_scales(identify_file(folder / file), {})
-    return with_guess(named_file(file, guess.kind, ()), guess), guess
-
-
-def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[dict[str, str], list[str]]:
+def _filled_in(
+    folder: Path, found: dict[str, tuple[propose.NewFile, Guess]]
+) -> tuple[dict[str, str], list[str]]:
     """Take what spreadsheets state of files; return of how many each does, and what cannot be taken."""
     read, problems = {}, []
     for sheet in [file for file, (new, _) in found.items() if new.use == "sheet"]:
@@ -140,14 +127,14 @@ def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[d
             read[sheet] = f"what it states of {counted(len(joined.rows), 'file')}"
         for file, row in joined.rows.items():
             new, guess = found[file]
-            taken, problem = stated_values(new, row.values, ())
+            taken, problem = propose.stated_values(new, row.values, ())
             if problem:
                 problems.append(f"{file}: {problem}")
-            found[file] = with_guessed_scale(replace(new, **taken), guess), guess
+            found[file] = propose.with_guessed_scale(replace(new, **taken), guess), guess
     return read, problems
 
 
-def _guesses(new: NewFile, guess: Guess) -> Iterator[str]:
+def _guesses(new: propose.NewFile, guess: Guess) -> Iterator[str]:
     """Yield what of a file is a guess."""
     if "use" in new.guessed:
         others = " or ".join(_WORDS.get(use, "something else") for use in guess.uses[1:3])

@@ -41,14 +41,6 @@ def read_text_or_none(path: Path) -> str | None:
         raise ManifestError(f"{path}: cannot be read ({error})") from error
 
 
-def replace_file(path: Path, text: str) -> None:
-    """Write a file so that it is there whole, old or new, whatever happens."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_synced(new_path(path), text)
-    new_path(path).replace(path)
-    sync_folder(path.parent)
-
-
 def new_path(path: Path) -> Path:
     """Return the path of a file's new content."""
     return path.with_name(f".{path.name}.new")
@@ -91,7 +83,9 @@ def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
     try:
         for name, text in texts.items():
             write_synced(new_path(folder / name), text)
-        replace_file(journal, _Journal(replace=list(texts)).model_dump_json())
+        write_synced(new_path(journal), _Journal(replace=list(texts)).model_dump_json())
+        new_path(journal).replace(journal)
+        sync_folder(folder)
     except BaseException:
         for path in (journal, *(new_path(folder / name) for name in texts)):
             path.unlink(missing_ok=True)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, closing
 from dataclasses import asdict, replace
 from functools import partial
 from os import PathLike
@@ -25,25 +25,20 @@ from fingerpad.study.corrections.log import (
     image_of,
     on_another_image,
 )
-from fingerpad.study.engine.runner import Executor, Progress, executor_for, records_of
+from fingerpad.study.engine.cluster import cluster_executor
+from fingerpad.study.engine.runner import Executor, Progress, records_of
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
-from fingerpad.study.engine.worker import local_executor
+from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
 from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionScale, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
+from fingerpad.study.results import result_set
 from fingerpad.study.results.methods import provenance
 from fingerpad.study.results.output import write_tables
-from fingerpad.study.results.result_set import (
-    OUTPUT_NAMES,
-    NewResultSet,
-    new_result_set,
-    put_in_place,
-    results_folder,
-)
 from fingerpad.study.results.study_result import StudyResult, result_of
 from fingerpad.units import MM_PER_INCH
 
@@ -138,7 +133,7 @@ def run_study(
     [13.8]
     """
     manifest = manifest_in(Path(manifest))
-    out = results_folder(manifest) if out is None else Path(out)
+    out = result_set.results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
     loaded = load_study(manifest)
     study, read = loaded.complete(), loaded.digests
@@ -150,7 +145,7 @@ def run_study(
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
-        put_in_place(store)
+        result_set.put_in_place(store)
         if force:
             store.discard()
         context = RunContext(
@@ -167,7 +162,12 @@ def run_study(
 
         def measure_and_write(damaged: Sequence[str] = ()) -> StudyResult:
             """Do what is left to do, with the stored results that were damaged named in the notes."""
-            with executor_for(manifest, workers, scheduler, limits) as executor:
+            executors: AbstractContextManager[Executor] = (
+                closing(LocalExecutor(folder, workers, limits))
+                if scheduler is None
+                else cluster_executor(manifest, workers, scheduler, limits)
+            )
+            with executors as executor:
                 measured = measure_study(context, store, executor, on_progress)
                 result = result_of(
                     measured,
@@ -194,12 +194,11 @@ def run_study(
                     raise StoreError(
                         f"{name}: was changed during the run: no results were written; run again to go on"
                     )
-            draw_in = partial(local_executor, workers=workers, limits=limits)
             _write_results(
                 result,
                 measured,
                 store,
-                draw_in,
+                lambda home: closing(LocalExecutor(home, workers, limits)),
                 all_columns=all_columns,
                 write_report=write_report,
                 on_progress=on_progress,
@@ -229,7 +228,7 @@ def _write_results(
     def written(what: str) -> None:
         on_progress(replace(measured.progress, item=what, status="written"))
 
-    with new_result_set(store) as new:
+    with result_set.new_result_set(store) as new:
         _add_drawn(new, store, _drawn(measured.items, store))
         written("tables")
         write_tables(result, new.folder, all_columns=all_columns)
@@ -334,7 +333,7 @@ def _drawn(items: StudyItems, store: Store) -> Iterator[tuple[str, str]]:
             yield from status.drawn.items()
 
 
-def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
+def _add_drawn(new: result_set.NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
     for name, digest in drawn:
         source = store.drawn_file(name, digest)
         if source is None:
@@ -349,5 +348,5 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
         if not path.is_relative_to(out.resolve()):
             continue
         inside = path.relative_to(out.resolve()).parts
-        if not inside or inside[0] in OUTPUT_NAMES or inside[0].startswith("."):
+        if not inside or inside[0] in result_set.OUTPUT_NAMES or inside[0].startswith("."):
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")

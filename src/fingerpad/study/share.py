@@ -172,14 +172,8 @@ MOST_RATIO: Final = 1000
 _SMALL: Final = 1_000_000
 # What reading a damaged ZIP raises.
 _DAMAGED: Final = (
-    zipfile.BadZipFile,
-    zipfile.LargeZipFile,
-    zlib.error,
-    lzma.LZMAError,
-    struct.error,
-    EOFError,
-    RuntimeError,
-    ValueError,
+    *(zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, lzma.LZMAError),
+    *(struct.error, EOFError, RuntimeError, ValueError),
 )
 
 

@@ -11,15 +11,14 @@ from typing import Any, Final
 from fingerpad._files import digest_of
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import FACE_AXES
+from fingerpad.image import FACE_AXES, SEMI_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.imports.identify import USABLE_SUFFIXES
 from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
-from fingerpad.study.manifest.messages import Fault
-from fingerpad.study.manifest.models import Finger, Study
+from fingerpad.study.manifest.models import Fault, Finger
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems, item_of
@@ -204,7 +203,6 @@ _FIELD_WORDS: Final = {
     "spacing_mm": "the spacing of the grid",
     "wedge_angle_deg": "the wedge angle",
 }
-_AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -236,9 +234,16 @@ def lacking(loaded: LoadedStudy) -> list[Missing]:
         found.append(Missing(kind="study", key="", words="no finger yet: add one"))
     for finger in study.fingers:
         found.extend(_lacking_faces(finger))
-    if study.fingers:
-        found.extend(_lacking_contacts(study, waiting))
-    return found
+    if not waiting.isdisjoint({"observation", "sequence", "curve"}) or not study.fingers:
+        return found
+    contacts = [*study.observations, *study.sequences]
+    touched = {one.finger for one in contacts} | {one.finger for one in study.curves}
+    if not touched:
+        words = "no contact yet: add a contact image with its load"
+        return [*found, Missing(kind="study", key="", words=words)]
+    words = "no contact image and no curve is of it"
+    idle = (one.name for one in study.fingers if one.name not in touched)
+    return [*found, *(Missing(kind="finger", key=name, words=words) for name in idle)]
 
 
 def _lacking(one: Table, fault: Fault) -> Missing:
@@ -250,16 +255,12 @@ def _lacking(one: Table, fault: Fault) -> Missing:
         file = str(photograph.get("file") or photograph.get("outline"))
         kind, key, of = "photograph", f"{one.key}/{file}", f"{PurePosixPath(file).name}: "
         place = found["place"]
+    said = str(Fault(place, words))  # without the names of keys where that can be
     if _NEEDS_SCALE in words:
-        place = "scale"
-    return Missing(kind=kind, key=key, words=f"{of}{_words(place, words)}", place=place)
-
-
-def _words(place: str, words: str) -> str:
-    """Return what is wrong at a place, without the names of keys where that can be."""
-    if words == "required, but missing" and place in _FIELD_WORDS:
-        return f"{_FIELD_WORDS[place]} is missing"
-    return "its scale is missing" if _NEEDS_SCALE in words else str(Fault(place, words))
+        place, said = "scale", "its scale is missing"
+    elif words == "required, but missing" and place in _FIELD_WORDS:
+        said = f"{_FIELD_WORDS[place]} is missing"
+    return Missing(kind=kind, key=key, words=f"{of}{said}", place=place)
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:
@@ -270,25 +271,15 @@ def _lacking_faces(finger: Finger) -> Iterator[Missing]:
         yield Missing(kind="finger", key=finger.name, words=words, place="semi_axes_mm")
         return
     shown = {axis for photograph in finger.photographs for axis in FACE_AXES[photograph.face]}
-    for axis, words in _AXIS_WORDS.items():
+    for axis in SEMI_AXES:
         if axis not in shown:
+            words = axis.replace("_", "-")
             faces = " or ".join(face for face, axes in FACE_AXES.items() if axis in axes)
             yield Missing(
                 kind="finger",
                 key=finger.name,
                 words=f"no photograph shows the {words} semi-axis: add one of the {faces} face",
             )
-
-
-def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
-    contacts = [*study.observations, *study.sequences]
-    if not contacts and not study.curves and waiting.isdisjoint({"observation", "sequence", "curve"}):
-        yield Missing(kind="study", key="", words="no contact yet: add a contact image with its load")
-        return
-    touched = {contact.finger for contact in contacts} | {curve.finger for curve in study.curves}
-    for finger in study.fingers:
-        if finger.name not in touched and waiting.isdisjoint({"observation", "sequence", "curve"}):
-            yield Missing(kind="finger", key=finger.name, words="no contact image and no curve is of it")
 
 
 def unused_files(loaded: LoadedStudy) -> Iterator[Missing]:

@@ -18,11 +18,19 @@ from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME, CorrectionLog,
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest.load import STUDY_NAME, Kind, LoadedStudy, file_inside, is_as_read, load_study
-from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Contact, ContactSequence, Finger, Observation, Photograph, Study
+from fingerpad.study.manifest.models import (
+    Contact,
+    ContactSequence,
+    Finger,
+    Observation,
+    Photograph,
+    Study,
+    validated,
+)
 from fingerpad.study.measuring.fingers import FingerResult, given_pad, stated
-from fingerpad.study.results.load import Results
+from fingerpad.study.results.load import Results, read_rows
 from fingerpad.study.results.result_set import RERUN, quick_faults, result_files, result_set_stamp
+from fingerpad.study.results.summary_file import SummaryFile
 from fingerpad.study.share import DOCUMENTS
 from fingerpad.study.status import Missing, missing
 from fingerpad.web.answers import RequestError
@@ -298,7 +306,7 @@ class StudySession:
         if faults or not result_files(self.out):
             return None, faults
         try:
-            found = Results.read(self.out)
+            found = Results(table=read_rows(self.out), summary=SummaryFile.read(self.out))
         except FingerpadError as error:
             return None, [str(error).removesuffix(f"; {RERUN}")]
         # pandas copies all units with each column that is taken, half of a plot's time.

@@ -11,24 +11,10 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from fingerpad import image
 from fingerpad._arrays import FloatArray
 from fingerpad._files import content_stamp
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    ContactImageOptions,
-    ContactImageResult,
-    ImageEllipse,
-    PhotographFit,
-    PreparedContactImage,
-    Scale,
-    interpolated_ellipse,
-    measure_photograph,
-    open_frames,
-    photograph_from_ellipse,
-    prepare_contact_image,
-    read_colour_image,
-    with_marked_points,
-)
 from fingerpad.image.read import grey_levels
 from fingerpad.image.sequence.measure import with_first_frame
 from fingerpad.study.corrections.changes import (
@@ -51,7 +37,7 @@ class InterpolatedCorrection(ContactCorrection):
 
     semi_axes_relative_std: tuple[float, float]
 
-    def widened(self, contact_image: ContactImageResult) -> ContactImageResult:
+    def widened(self, contact_image: image.ContactImageResult) -> image.ContactImageResult:
         """Return a measurement under this ellipse, with what interpolation adds to its uncertainty."""
         major, minor = self.semi_axes_relative_std
         effect = contact_image.values * [major, minor, major + minor, major + minor]
@@ -96,21 +82,23 @@ def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: st
 
 
 def _key_frame_pairs(frames: Mapping[int, ActiveCorrection]) -> list[tuple[int, int]]:
-    return list(pairwise(sorted(frame for frame, one in frames.items() if _is_key(one))))
+    changes = ((frame, one.change) for frame, one in frames.items())
+    keys = (
+        frame
+        for frame, change in changes
+        if isinstance(change, ContactCorrection) and change.key_frame and change.rejected is None
+    )
+    return list(pairwise(sorted(keys)))
 
 
-def _is_key(one: ActiveCorrection) -> bool:
-    return isinstance(one.change, ContactCorrection) and one.change.key_frame and one.change.rejected is None
-
-
-def _ellipse(one: ActiveCorrection) -> ImageEllipse:
+def _ellipse(one: ActiveCorrection) -> image.ImageEllipse:
     assert isinstance(one.change, ContactCorrection)  # as a key frame
     assert one.change.manual_ellipse is not None  # the model's own rule
     return one.change.manual_ellipse
 
 
-def _between(one: ImageEllipse, other: ImageEllipse, share: float) -> InterpolatedCorrection:
-    ellipse = interpolated_ellipse(one, other, share)
+def _between(one: image.ImageEllipse, other: image.ImageEllipse, share: float) -> InterpolatedCorrection:
+    ellipse = image.interpolated_ellipse(one, other, share)
     change: FloatArray = np.abs(np.subtract(other.semi_axes, one.semi_axes)) / ellipse.semi_axes
     major, minor = (change * math.sqrt(share * (1 - share) / 3)).tolist()
     return InterpolatedCorrection(
@@ -158,14 +146,14 @@ def manual_phases(active_corrections: Mapping[str, ActiveCorrection], sequence: 
 class CorrectedContactImage:
     """A contact as corrected, and as measured automatically."""
 
-    contact_image: ContactImageResult | None  # the one that holds
+    contact_image: image.ContactImageResult | None  # the one that holds
     reason: str | None
-    automatic: ContactImageResult | None
+    automatic: image.ContactImageResult | None
 
 
 def contact_options(
     contact: Contact, folder: Path, correction: ContactCorrection = NOTHING
-) -> ContactImageOptions:
+) -> image.ContactImageOptions:
     """Return how a contact's picture is measured, as the manifest and a person say."""
     window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
     seed = _first(correction.seed_px, contact.seed_px)
@@ -182,13 +170,13 @@ def contact_options(
 
 def prepared_contact(
     pixels: npt.ArrayLike,
-    scale: Scale,
+    scale: image.Scale,
     contact: Contact,
     folder: Path,
     correction: ContactCorrection = NOTHING,
     *,
-    settings: ContactImageOptions | None = None,
-) -> PreparedContactImage:
+    settings: image.ContactImageOptions | None = None,
+) -> image.PreparedContactImage:
     """Tell the ridges in a contact's picture, as the manifest and a person say.
 
     Strokes and ellipse of the correction are for `PreparedContactImage.measure`. `settings` say how all
@@ -197,7 +185,7 @@ def prepared_contact(
     options = contact_options(contact, folder, correction)
     if contact.surface == "smooth" and isinstance(contact, Observation) and contact.file is not None:
         # A gel shows a contact by colour.
-        pixels = read_colour_image(folder / contact.file)
+        pixels = image.read_colour_image(folder / contact.file)
     if settings is not None:
         polarity = options["dark_on_light"]
         # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
@@ -205,10 +193,12 @@ def prepared_contact(
         if polarity is not None and polarity is not settings["dark_on_light"]:
             # Learnt the other way round, the contrast is of something else.
             options = {**options, "dark_on_light": polarity, "contrast": None}
-    return prepare_contact_image(pixels, scale, **options)
+    return image.prepare_contact_image(pixels, scale, **options)
 
 
-def measured_under(prepared: PreparedContactImage, correction: ContactCorrection) -> ContactImageResult:
+def measured_under(
+    prepared: image.PreparedContactImage, correction: ContactCorrection
+) -> image.ContactImageResult:
     """Measure a prepared contact image with what a person drew, or what was carried from key frames."""
     found = prepared.measure([stroke.edit for stroke in correction.strokes], correction.manual_ellipse)
     return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
@@ -216,12 +206,12 @@ def measured_under(prepared: PreparedContactImage, correction: ContactCorrection
 
 def corrected_contact_image(
     pixels: npt.ArrayLike,
-    scale: Scale,
+    scale: image.Scale,
     contact: Contact,
     folder: Path,
     correction: ContactCorrection = NOTHING,
     *,
-    settings: ContactImageOptions | None = None,
+    settings: image.ContactImageOptions | None = None,
 ) -> CorrectedContactImage:
     """Measure a contact as a person wants it, and automatically; see `prepared_contact`."""
     automatic, plain, reason = None, None, None
@@ -247,9 +237,9 @@ def corrected_contact_image(
 def corrected_photograph(
     pixels: npt.ArrayLike,
     photograph: Photograph,
-    scale: Scale,
+    scale: image.Scale,
     correction: PhotographCorrection | None = None,
-) -> PhotographFit:
+) -> image.PhotographFit:
     """Measure a photograph as a person wants it; with an ellipse placed manually it is not looked at."""
     wanted = correction or PhotographCorrection()
     tip = wanted.tip or photograph.tip
@@ -257,7 +247,7 @@ def corrected_photograph(
     palmar = wanted.palmar_side or (photograph.palmar_side if wanted.tip is None else None)
     if wanted.ellipse_px is not None:
         (row, column), (across, along) = wanted.ellipse_px.centre, wanted.ellipse_px.semi_axes
-        return photograph_from_ellipse(
+        return image.photograph_from_ellipse(
             photograph.face,
             scale,
             centre=(row, column),
@@ -267,7 +257,7 @@ def corrected_photograph(
             palmar=palmar,
         )
     window = _first(wanted.region_of_interest_px, photograph.region_of_interest_px)
-    found = measure_photograph(
+    found = image.measure_photograph(
         pixels,
         photograph.face,
         scale,
@@ -276,7 +266,7 @@ def corrected_photograph(
         region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
     )
     erased = [(stroke.points_px, stroke.radius_px) for stroke in wanted.erased]
-    return with_marked_points(found.without_picture(), added=wanted.added_points_px, erased=erased)
+    return image.with_marked_points(found.without_picture(), added=wanted.added_points_px, erased=erased)
 
 
 def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
@@ -286,7 +276,7 @@ def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
     if contact.background is not None:
         path = folder / contact.background
         if smooth and isinstance(contact, Observation):
-            read = read_colour_image
+            read = image.read_colour_image
     elif smooth and isinstance(contact, ContactSequence):
         path, read = folder / contact.file, _first_frame
     else:
@@ -303,7 +293,7 @@ def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -
 
 
 def _first_frame(path: Path) -> Any:
-    return with_first_frame(open_frames(path), {"surface": "smooth"})["background"]
+    return with_first_frame(image.open_frames(path), {"surface": "smooth"})["background"]
 
 
 def _first(wanted: Any, given: Any) -> Any:

@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import takewhile
@@ -28,8 +29,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.journal import locked, sync_folder
-from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Study
+from fingerpad.study.manifest.models import Study, validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
@@ -183,12 +183,6 @@ def checked_change(item: str, content: Mapping[str, Any], where: str) -> Any:
         return validated(_MODELS[parts_of_item(item)[0]], content, where, strict=True)
     except ManifestError as error:
         raise StoreError(str(error)) from None
-
-
-def line_of(record: Record) -> bytes:
-    """Return the line of the file that holds a record, with its checksum."""
-    content = record.model_dump()
-    return _dump({**content, "checksum": _checksum(content)}) + b"\n"
 
 
 def record_of(line: bytes) -> Record | None:
@@ -380,7 +374,8 @@ class CorrectionLog:
     def _take_all(self, fresh: bytes) -> None:
         whole, end, self._torn = fresh.rpartition(b"\n")
         lines = whole.split(b"\n") if end else []
-        if self._torn and self._is_record(self._torn):  # its end of line was lost in an editor
+        with suppress(ValueError, RecursionError):
+            json.loads(self._torn)  # it is whole: its end of line was lost in an editor
             lines.append(self._torn)
             self._torn = b""
         for line in lines:
@@ -402,13 +397,6 @@ class CorrectionLog:
             raise StoreError(f"{where} is no correction that follows those above it: fix or remove that line")
         self._last_id = record.id
         self._histories.setdefault(record.item, []).append(record)
-
-    @staticmethod
-    def _is_record(line: bytes) -> bool:
-        try:
-            return record_of(line) is not None
-        except ValueError:
-            return True  # the line is named when it is taken
 
     def history(self, item: str) -> History:
         """Return all corrections of an item."""
@@ -501,7 +489,8 @@ class CorrectionLog:
                 change=change or {},
                 picture=picture,
             )
-            self._write(line_of(record))
+            content = record.model_dump()
+            self._write(_dump({**content, "checksum": _checksum(content)}) + b"\n")
             self.refresh()
         return record
 

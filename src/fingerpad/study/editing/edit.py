@@ -32,8 +32,7 @@ from fingerpad.study.manifest.load import (
     is_as_read,
     load_study,
 )
-from fingerpad.study.manifest.messages import checked
-from fingerpad.study.manifest.models import SCALE_KINDS
+from fingerpad.study.manifest.models import SCALE_KINDS, checked
 from fingerpad.study.manifest.sheet import Sheet
 
 

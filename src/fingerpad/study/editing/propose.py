@@ -11,19 +11,10 @@ from fingerpad._csv import package_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
+from fingerpad.study.imports import names
 from fingerpad.study.imports.identify import Guess, GuessedScale
-from fingerpad.study.imports.names import (
-    FileKind,
-    FileValues,
-    Use,
-    number_in,
-    plain_name,
-    read_file_name,
-    scale_in,
-    scale_words,
-)
 from fingerpad.study.manifest.load import Kind, LoadedStudy
-from fingerpad.study.manifest.models import ScaleTable
+from fingerpad.study.manifest.models import SCALE_KINDS, ScaleTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,19 +34,13 @@ class KnownSize:
     words: str
 
 
-# A person draws a line or points to about one pixel.
-_STARTS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "line": {"ends_px_std": 1},
-    "circle": {"points_px_std": 1},
-    "grid": {"pattern": "checkerboard"},
-}
 SCALE_WAYS: Final[Mapping[str, ScaleWay]] = {
-    next(iter(model.model_fields)): ScaleWay(
+    way: ScaleWay(
         needs=[name for name, one in model.model_fields.items() if one.is_required()],
         may=[name for name, one in model.model_fields.items() if not one.is_required()],
-        starts=_STARTS.get(next(iter(model.model_fields)), {}),
+        starts=names.TABLES["starts"].get(way, {}),
     )
-    for model in get_args(ScaleTable)
+    for way, model in zip(SCALE_KINDS, get_args(ScaleTable), strict=True)
 }
 # Cards are ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
 COINS, CARD = (
@@ -66,33 +51,9 @@ COINS, CARD = (
     )
     for what in ("coin", "card")
 )
-# What a file of each kind may be used as, in words.
-USES: Final[Mapping[FileKind, Mapping[Use, str]]] = {
-    "picture": {
-        "observation": "contact image",
-        "photograph": "photograph",
-        "coin": "coin, for the scale",
-        "ruler": "ruler, for the scale",
-        "": "something else",
-    },
-    "sequence": {"sequence": "sequence"},
-    "table": {
-        "curve": "loading curve",
-        "outline": "outline of a face",
-        "force": "force of a sequence",
-        "sheet": "spreadsheet of files",
-        "": "something else",
-    },
-    "other": {"": "unknown"},
-}
-# Which values a file is given, by its use.
-TAKES: Final[Mapping[Use, tuple[str, ...]]] = {
-    "observation": ("finger", "wedge_angle_deg", "load_N", "scale", "session"),
-    "photograph": ("finger", "face", "scale"),
-    "sequence": ("finger", "wedge_angle_deg", "scale"),
-    "curve": ("finger", "wedge_angle_deg"),
-    "outline": ("finger", "face"),
-}
+# What a file of each kind may be used as, in words, and which values it is given, by its use.
+USES: Final[Mapping[names.FileKind, Mapping[names.Use, str]]] = names.TABLES["uses"]
+TAKES: Final[Mapping[names.Use, Sequence[str]]] = names.TABLES["takes"]
 COIN: Final = "coin in "
 # Programs that know no resolution write 72 or 96.
 _SCREEN_PPI: Final = 96
@@ -105,7 +66,7 @@ class NewFile:
     """A file to add to a study, and what is known of it."""
 
     file: str
-    use: Use = ""  # empty for none
+    use: names.Use = ""  # empty for none
     person: str = ""
     finger: str = ""
     session: str = ""
@@ -118,7 +79,7 @@ class NewFile:
     guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
-class StatedValues(FileValues, total=False):
+class StatedValues(names.FileValues, total=False):
     """What a spreadsheet or a name states of a new file, under its keys."""
 
     guessed: tuple[str, ...]
@@ -133,10 +94,10 @@ class Proposal:
     waiting: tuple[str, ...]  # files whose finger is not known
 
 
-def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
+def named_file(file: str, kind: names.FileKind, fingers: Collection[str]) -> NewFile:
     """Return what the name of a file says; the study's only finger is that of a file that names none."""
     only = next(iter(fingers)) if len(fingers) == 1 else ""
-    stated: dict[str, Any] = {"finger": only, **read_file_name(file, kind, fingers=fingers)}
+    stated: dict[str, Any] = {"finger": only, **names.read_file_name(file, kind, fingers=fingers)}
     return NewFile(file=file, **stated)
 
 
@@ -146,7 +107,7 @@ def with_scales(guess: Guess, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
     A scale is proposed where the study has only one, or the file of a contact image states a resolution: that
     of a scanner, so that it is proposed for no photograph.
     """
-    ppi, found = guess.dots_per_inch, dict[Use, GuessedScale]()
+    ppi, found = guess.dots_per_inch, dict[names.Use, GuessedScale]()
     stated = "" if ppi is None else f"{round(ppi, 1):g} ppi"
     if len(scales) == 1:
         ((name, table),) = scales.items()
@@ -183,7 +144,9 @@ def with_guessed_scale(new: NewFile, guess: Guess) -> NewFile:
     return replace(new, scale=guess.scales[new.use].scale, guessed=(*new.guessed, "scale"))
 
 
-def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[StatedValues, str]:
+def stated_values(
+    new: NewFile, values: names.FileValues, scales: Collection[str]
+) -> tuple[StatedValues, str]:
     """Return values of a `NewFile` as a spreadsheet or a name states them, and which cannot be taken."""
     taken = cast(StatedValues, {**values})
     problem, finger, person = "", values.get("finger", new.finger), values.get("person")
@@ -210,12 +173,12 @@ def written_scale(words: str, scales: Collection[str]) -> str:
         return words
     try:
         bare = words.strip().replace(",", ".").replace(".", "", 1).isdecimal()
-        table = scale_in(words, "ppi" if bare and number_in(words, "ppi") >= _LEAST_PPI else None)
+        table = names.scale_in(words, "ppi" if bare and names.number_in(words, "ppi") >= _LEAST_PPI else None)
     except ValueError:
         raise ManifestError(
             f"{words!r}: write it as 500 ppi or 0.05 mm/px, or as the name of a scale of the study"
         ) from None
-    return scale_words(table)
+    return names.scale_words(table)
 
 
 def proposed_edits(loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool = False) -> Proposal:
@@ -281,14 +244,14 @@ class _Proposing:
         self.edits.append(Edit(kind=kind, key=key, set=said))
 
     def _name(self, new: NewFile) -> str:
-        return _free(plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
+        return _free(names.plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
 
     def _scale(self, written: str) -> Any:
         """Return the name of a scale, added where several files share it; else its table."""
         if not written or written in self.known:
             return written
         if not written.startswith(COIN):
-            table: dict[str, Any] = {**scale_in(written)}
+            table: dict[str, Any] = {**names.scale_in(written)}
             if self.uses[written] < 2:
                 return table
             name = re.sub(r"[^\w.]+", "_", written)

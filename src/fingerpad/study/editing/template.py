@@ -59,11 +59,7 @@ def manifest_schema() -> str:
 # As ``example.toml`` states them.
 _PAD: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 _FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
-_WEDGE_DEG: Final = 30
 _LOADS: Final = (0.5, 1.0, 2.0)
-_TISSUE: Final = Tissue.of_reduced_modulus(0.09)
-_MM_PER_PX: Final = 0.1
-_PPI: Final = 500.0
 
 
 def write_example(folder: Path) -> Path:
@@ -72,25 +68,22 @@ def write_example(folder: Path) -> Path:
     manifest = write_manifest(folder, _text_of("example.toml"))
     for seed, face in enumerate(_FACES):
         across, along = (float(getattr(_PAD, axis)) for axis in FACE_AXES[face])
-        photograph = render_finger(face, semi_axes=(across, along), mm_per_px=_MM_PER_PX, seed=seed)
+        photograph = render_finger(face, semi_axes=(across, along), mm_per_px=0.1, seed=seed)
         Image.fromarray(photograph.pixels).save(folder / f"photograph_{face}.jpg", quality=92)
-    placement = Placement(_PAD, wedge_angle=np.radians(_WEDGE_DEG))
+    placement = Placement(_PAD, wedge_angle=np.radians(30))
     for seed, load in enumerate(_LOADS):
-        contact = hertz_contact(placement, _TISSUE, load=load)
+        contact = hertz_contact(placement, Tissue.of_reduced_modulus(0.09), load=load)
         image = render_contact_image(
             semi_major=float(contact.semi_major),
             semi_minor=float(contact.semi_minor),
             orientation=0.0 if contact.along else np.pi / 2,
-            ppi=_PPI,
+            ppi=500,
             seed=seed,
         )
         Image.fromarray(image.pixels).save(folder / f"contact_{load:g}N.png")
+    radius = placement.curvature.geometric_mean_radius
     loading = simulate_loading_curve(
-        loading_radius=float(
-            equivalent_radius_from_compliance(
-                placement.curvature.geometric_mean_radius, 1 / contact.aspect_ratio
-            )
-        ),
+        loading_radius=float(equivalent_radius_from_compliance(radius, 1 / contact.aspect_ratio)),
         initial_modulus=0.07,
         load_coefficient=0.005,
         contact_offset=0.4,

@@ -5,15 +5,15 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal, Protocol, TypeAlias
+from typing import Final, Literal, TypeAlias
 
-from fingerpad.study.engine.cluster import cluster_executor
+from fingerpad.study.engine.cluster import ClusterExecutor
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, DEFAULT_LIMITS, Limits, Record, Task, TaskResult
-from fingerpad.study.engine.worker import local_executor
+from fingerpad.study.engine.task import CHANGED, Record, Task, TaskResult
+from fingerpad.study.engine.worker import LocalExecutor
 
 # Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
 Plan: TypeAlias = Iterator[list[Task]]
@@ -21,31 +21,8 @@ Plan: TypeAlias = Iterator[list[Task]]
 _POLL_S: Final = 1.0
 
 
-class Executor(Protocol):
-    """Performs the tasks of a run."""
-
-    @property
-    def limits(self) -> Limits:
-        """What a task may take."""
-
-    @property
-    def capacity(self) -> int:
-        """Number of tasks that keep it busy."""
-
-    def submit(self, task: Task) -> Future[TaskResult]:
-        """Begin a task as soon as possible."""
-
-    def require_workers(self) -> None:
-        """Raise `ClusterError` if no worker is left."""
-
-
-def executor_for(
-    manifest: Path, workers: int, scheduler: str | None, limits: Limits = DEFAULT_LIMITS
-) -> AbstractContextManager[Executor]:
-    """Return the executor of a run, which is closed in the end."""
-    if scheduler is None:
-        return local_executor(manifest.absolute().parent, workers, limits)
-    return cluster_executor(manifest, workers, scheduler, limits)
+# Performs the tasks of a run.
+Executor: TypeAlias = LocalExecutor | ClusterExecutor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

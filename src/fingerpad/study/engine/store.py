@@ -36,7 +36,6 @@ _APPLICATION_ID: Final = 0x66706164
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 TaskState: TypeAlias = Literal["done", "failed"]
-_STATUSES: Final = get_args(TaskState)
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
@@ -154,7 +153,7 @@ class Store:
                 rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
         found = {}
         for task, key, status, seconds, count, drawn, limits in rows:
-            if status not in _STATUSES:
+            if status not in get_args(TaskState):
                 continue  # damaged: as good as not there
             with suppress(ValueError, TypeError):  # the same
                 found[task] = TaskStatus(

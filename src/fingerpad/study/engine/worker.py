@@ -16,7 +16,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from contextlib import closing, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Final
 
@@ -159,13 +159,13 @@ class IsolatedRunner:
 
     def perform(self, task: Task) -> TaskResult:
         """Perform a task; any number of threads may ask. `CancelledError` if it was abandoned."""
-        with suppress(WorkerDied):  # perhaps for want of memory beside others: a second time tells
-            return self._attempt(task)
-        try:
-            return self._attempt(task)
-        except WorkerDied as death:
-            reason = _reason_of_death(task.file, death.code)
-            return TaskResult({"reason": reason}, {}, 0.0, self.limits)
+        reason = ""
+        for _ in range(2):  # perhaps it died for want of memory beside others: a second time tells
+            try:
+                return self._attempt(task)
+            except WorkerDied as death:
+                reason = _reason_of_death(task.file, death.code)
+        return TaskResult({"reason": reason}, {}, 0.0, self.limits)
 
     def _attempt(self, task: Task) -> TaskResult:
         worker = POOL.take()
@@ -282,7 +282,7 @@ def _virtual_bytes() -> int:
 class LocalExecutor(IsolatedRunner):
     """So many processes of this machine, for tasks whose inputs are in `folder`."""
 
-    def __init__(self, folder: Path, workers: int, limits: Limits) -> None:
+    def __init__(self, folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> None:
         super().__init__(folder, limits)
         self.capacity = 2 * workers
         self._threads = ThreadPoolExecutor(workers)
@@ -300,8 +300,3 @@ class LocalExecutor(IsolatedRunner):
         self.abandon()
         self._threads.shutdown()
         POOL.keep(1)  # with which the next run begins at once
-
-
-def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> closing[LocalExecutor]:
-    """Return processes of this machine as an executor, which is closed in the end."""
-    return closing(LocalExecutor(folder, workers, limits))

@@ -16,8 +16,7 @@ from fingerpad._csv import write_csv
 from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.imports.names import Field, NamePattern, plain_name
-from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Load, Name, RollAngle, WedgeAngle
+from fingerpad.study.manifest.models import Load, Name, RollAngle, WedgeAngle, validated
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")

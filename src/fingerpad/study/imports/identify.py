@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
@@ -11,37 +12,25 @@ from typing import Final, Literal, TypeAlias
 from fingerpad._columns import NAMES
 from fingerpad._tables import TABLE_SUFFIXES, Table, parse_table, read_table
 from fingerpad.exceptions import ManifestError
-from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames
+from fingerpad.image import MEMORY_LIMIT, Face, guess_subject, open_frames
 from fingerpad.image.read import in_colour, read_levels
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.imports.names import (
-    FACTORS,
-    Field,
-    FileKind,
-    FileValues,
-    Use,
-    finger_name,
-    names_a_force,
-    names_a_scale,
-    read_file_name,
-    read_value,
-    words_of,
-)
+from fingerpad.study.imports import names
 
 _MOST_BYTES: Final = 20_000_000
-Meaning: TypeAlias = Field | Literal["file", "hand"]
+Meaning: TypeAlias = names.Field | Literal["file", "hand"]
 
-_HEADERS: Final[Mapping[str, Meaning]] = words_of("header")
+_HEADERS: Final[Mapping[str, Meaning]] = names.words_of("header")
 _SYMBOLS: Final[Mapping[str, Meaning]] = {"w": "load"}
 _FIELDS_OF_UNITS: Final[tuple[tuple[Meaning, frozenset[str]], ...]] = (
-    ("load", frozenset(FACTORS["load"])),
-    ("wedge", frozenset(FACTORS["wedge"])),
-    ("scale", frozenset(unit for name in ("mm_per_px", "px_per_mm", "ppi") for unit in FACTORS[name])),
+    ("load", frozenset(names.FACTORS["load"])),
+    ("wedge", frozenset(names.FACTORS["wedge"])),
+    ("scale", frozenset(unit for name in ("mm_per_px", "px_per_mm", "ppi") for unit in names.FACTORS[name])),
 )
-_UNITS: Final = {unit for units in FACTORS.values() for unit in units}
-_OTHERS: Final = words_of("other").keys()
+_UNITS: Final = {unit for units in names.FACTORS.values() for unit in units}
+_OTHERS: Final = names.words_of("other").keys()
 # What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
-_SUFFIXES: Final[Mapping[FileKind, frozenset[str]]] = {
+_SUFFIXES: Final[Mapping[names.FileKind, frozenset[str]]] = {
     "picture": PICTURE_SUFFIXES,
     "sequence": VIDEO_SUFFIXES,
     "table": TABLE_SUFFIXES,
@@ -64,7 +53,7 @@ class FileRow:
 
     line: int
     file: str
-    values: FileValues
+    values: names.FileValues
     problems: tuple[str, ...] = ()
 
 
@@ -131,8 +120,8 @@ def file_table(table: Table) -> FileTable:
 
 def _holds_names(table: Table, place: int) -> bool:
     """Tell whether the cells of a column are names of files."""
-    names = [cells[place].strip() for _, cells in table.rows if place < len(cells) and cells[place].strip()]
-    return bool(names) and all(PurePosixPath(name).suffix.lower() in USABLE_SUFFIXES for name in names)
+    files = [cells[place].strip() for _, cells in table.rows if place < len(cells) and cells[place].strip()]
+    return bool(files) and all(PurePosixPath(file).suffix.lower() in USABLE_SUFFIXES for file in files)
 
 
 def _column(header: str) -> FileColumn:
@@ -158,7 +147,7 @@ def _parts(header: str) -> list[str]:
 
 
 def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> FileRow:
-    values, problems, file, hand = FileValues(), [], "", ""
+    values, problems, file, hand = names.FileValues(), [], "", ""
     for column, cell in zip(columns, map(str.strip, cells), strict=False):
         if not cell or column.meaning is None:
             continue
@@ -168,11 +157,11 @@ def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> File
             hand = cell
         else:
             try:
-                read_value(values, column.meaning, cell, column.unit)
+                names.read_value(values, column.meaning, cell, column.unit)
             except ValueError as error:
                 problems.append(f"{column.header}: {error}")
     if hand and "finger" in values:
-        values["finger"] = finger_name(values["finger"], hand)
+        values["finger"] = names.finger_name(values["finger"], hand)
     return FileRow(line=line, file=file, values=values, problems=tuple(problems))
 
 
@@ -212,13 +201,7 @@ def _key(name: str, *, with_suffix: bool) -> str:
     return re.sub(r"[\W_]+", "-", plain.casefold()).strip("-")
 
 
-_OF_SUBJECT: Final[Mapping[Subject, Use]] = {
-    "contact": "observation",
-    "finger": "photograph",
-    "coin": "coin",
-    "ruler": "ruler",
-    "other": "",
-}
+_OF_SUBJECT: Final[Mapping[str, names.Use]] = names.words_of("subject")
 # A name that says what a file is counts as this factor; a likelihood at which a guess need not be asked.
 _NAMED: Final = 200.0
 SURE: Final = 0.9
@@ -237,17 +220,17 @@ class GuessedScale:
 class Guess:
     """What a new file may be, from its content and its name, and which scale may hold for it."""
 
-    kind: FileKind
-    uses: tuple[Use, ...]  # most likely first
+    kind: names.FileKind
+    uses: tuple[names.Use, ...]  # most likely first
     sure: bool  # whether no other use is at all likely; otherwise it is to be asked
     face: Face | None = None  # that it shows if it is a photograph, None where nothing tells
     face_sure: bool = False  # whether no other face is at all likely; the two sides count as one
     dots_per_inch: float | None = None  # that a picture states, as in `fingerpad.image.Picture`
-    scales: Mapping[Use, GuessedScale] = field(default_factory=dict)  # by use
+    scales: Mapping[names.Use, GuessedScale] = field(default_factory=dict)  # by use
     stated: str = ""  # the scale in its file, proposed or not
 
 
-def kind_of_file(name: str) -> FileKind:
+def kind_of_file(name: str) -> names.FileKind:
     """Return the kind of a file by its name; pages of a TIFF file may make it a sequence."""
     suffix = PurePosixPath(name).suffix.lower()
     return next((kind for kind, suffixes in _SUFFIXES.items() if suffix in suffixes), "other")
@@ -275,14 +258,17 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
 
 
 def _identity(
-    uses: Mapping[Use, float], path: Path, kind: FileKind, faces: Mapping[Face, float] | None = None
+    uses: Mapping[names.Use, float],
+    path: Path,
+    kind: names.FileKind,
+    faces: Mapping[Face, float] | None = None,
 ) -> Guess:
     """Return what content and name say together."""
-    reading = read_file_name(path.name, kind)
+    reading = names.read_file_name(path.name, kind)
     weights, by_face = dict(uses), dict(faces or {})
     if kind == "picture":
-        named: list[Use] = []
-        if names_a_scale(path.name):
+        named: list[names.Use] = []
+        if names.names_a_scale(path.name):
             named = ["coin", "ruler"]
         elif "face" in reading:
             named = ["photograph"]
@@ -302,7 +288,7 @@ def _identity(
     )
 
 
-def _table_uses(path: Path) -> dict[Use, float]:
+def _table_uses(path: Path) -> dict[names.Use, float]:
     """Return what a table may be, by its headers."""
     table = read_table(path, ManifestError, head_only=True)
     headers = [cell.casefold() for cell in table.header]
@@ -321,20 +307,20 @@ def _table_uses(path: Path) -> dict[Use, float]:
     if has["force"] and has["travel"]:
         # Beside a sequence the platen's displacement may be recorded too.
         share = (
-            0.04 if not has["time"] else 0.95 if has["trigger"] else 0.7 if names_a_force(path.name) else 0.04
+            0.04
+            if not has["time"]
+            else 0.95
+            if has["trigger"]
+            else 0.7
+            if names.names_a_force(path.name)
+            else 0.04
         )
         return {"curve": 0.99 - share, "force": share, "": 0.01}
-    if _names_files(table):
-        return {"sheet": 0.95, "": 0.05}
+    with suppress(ManifestError):  # of a table that names no files
+        if any(row.values for row in file_table(table).rows):
+            return {"sheet": 0.95, "": 0.05}
     if has["force"] and has["time"]:
         return {"force": 0.95, "curve": 0.03, "": 0.02}
     if has["x"] and has["y"]:
         return {"outline": 0.95, "": 0.05}
     return {"": 0.6, "curve": 0.2, "force": 0.1, "outline": 0.1}
-
-
-def _names_files(table: Table) -> bool:
-    try:
-        return any(row.values for row in file_table(table).rows)
-    except ManifestError:
-        return False

@@ -37,10 +37,10 @@ class FileValues(TypedDict, total=False):
 
 def words_of(table: str) -> dict[str, Any]:
     """Return what each word of a table of ``words.toml`` means."""
-    return {word: meaning for meaning, words in _TABLES[table].items() for word in words}
+    return {word: meaning for meaning, words in TABLES[table].items() for word in words}
 
 
-_TABLES: Final = tomllib.loads(files("fingerpad.study.imports").joinpath("words.toml").read_text("utf-8"))
+TABLES: Final = tomllib.loads(files("fingerpad.study.imports").joinpath("words.toml").read_text("utf-8"))
 HAND_WORDS, DIGITS, INITIALS = words_of("hand"), words_of("digit"), words_of("initial")
 FACES: Final[tuple[Face, ...]] = get_args(Face)
 _FACE_WORDS: Final[Mapping[str, str]] = words_of("face")
@@ -148,24 +148,14 @@ def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
     raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
 
 
-_SUMMARIES: Final = {
-    "line": ("length_mm", "line of {} mm"),
-    "coin": ("diameter_mm", "coin of {} mm"),
-    "circle": ("diameter_mm", "circle of {} mm"),
-    "grid": ("spacing_mm", "grid of {} mm"),
-    "ppi": ("ppi", "{} ppi"),
-    "mm_per_px": ("mm_per_px", "{} mm/px"),
-}
-
-
 def scale_words(scale: object) -> str:
     """Return a scale of a manifest in words: its name, or how it is stated."""
     if not isinstance(scale, Mapping):
         return scale if isinstance(scale, str) else ""
-    way = next((way for way in _SUMMARIES if way in scale), None)
+    way = next((way for way in TABLES["written"] if way in scale), None)
     if way is None:
         return "incomplete"
-    key, words = _SUMMARIES[way]
+    key, words = map(str, TABLES["written"][way])
     value = scale.get(key)
     return words.format(f"{value:.12g}") if isinstance(value, int | float) else way
 
@@ -224,10 +214,11 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
         if person := _PERSON.search(stem):
             values["person"] = person[0].replace(" ", "")
             values["finger"] = f"{values['person']}_{finger}"
-    if (angle := _wedge(stem)) is not None:
+    angles = (_float(found[1]) for pattern in _WEDGE if (found := pattern.search(stem)))
+    if (angle := next((angle for angle in angles if angle <= 90), None)) is not None:
         values["wedge_angle_deg"] = angle
-    if (load := _load(stem)) is not None:
-        values["load_N"] = load
+    if load := _LOAD.search(stem):
+        values["load_N"] = _float(load[1]) * (1e-3 if load[2] else 1.0)
     return values
 
 
@@ -256,18 +247,6 @@ def _finger(stem: str) -> str | None:
         *(f"{HAND_WORDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
     ]
     return found[0] if found else None
-
-
-def _wedge(stem: str) -> float | None:
-    for pattern in _WEDGE:
-        if (found := pattern.search(stem)) and (angle := _float(found[1])) <= 90:
-            return angle
-    return None
-
-
-def _load(stem: str) -> float | None:
-    found = _LOAD.search(stem)
-    return None if found is None else _float(found[1]) * (1e-3 if found[2] else 1.0)
 
 
 def _float(words: str) -> float:

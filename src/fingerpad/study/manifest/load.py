@@ -20,20 +20,8 @@ from fingerpad._display import Displayed
 from fingerpad._files import digest_of, folded
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
-from fingerpad.study.manifest.messages import Fault, checked, key_path
-from fingerpad.study.manifest.models import (
-    Apparatus,
-    ContactSequence,
-    Curve,
-    Finger,
-    ManifestModel,
-    Name,
-    Observation,
-    OwnScale,
-    Study,
-    Surface,
-    Uncertainty,
-)
+from fingerpad.study.manifest import models
+from fingerpad.study.manifest.models import Fault, checked, key_path
 from fingerpad.study.manifest.sheet import Sheet
 
 
@@ -70,17 +58,20 @@ Kind: TypeAlias = Literal[
     "study", "uncertainty", "apparatus", "scale", "finger", "photograph", "observation", "sequence", "curve"
 ]
 
-NAME: Final = TypeAdapter(Name)
+NAME: Final = TypeAdapter(models.Name)
 # Tables that a study has once.
-SECTIONS: Final[Mapping[Kind, type[ManifestModel]]] = {"uncertainty": Uncertainty, "apparatus": Apparatus}
+SECTIONS: Final[Mapping[Kind, type[models.ManifestModel]]] = {
+    "uncertainty": models.Uncertainty,
+    "apparatus": models.Apparatus,
+}
 MODELS: Final[Mapping[Kind, TypeAdapter[Any]]] = {
-    "study": TypeAdapter(Study),
+    "study": TypeAdapter(models.Study),
     **{name: TypeAdapter(model) for name, model in SECTIONS.items()},
-    "scale": TypeAdapter(OwnScale),
-    "finger": TypeAdapter(Finger),
-    "observation": TypeAdapter(Observation),
-    "sequence": TypeAdapter(ContactSequence),
-    "curve": TypeAdapter(Curve),
+    "scale": TypeAdapter(models.OwnScale),
+    "finger": TypeAdapter(models.Finger),
+    "observation": TypeAdapter(models.Observation),
+    "sequence": TypeAdapter(models.ContactSequence),
+    "curve": TypeAdapter(models.Curve),
 }
 
 
@@ -95,7 +86,7 @@ class Table:
     line: int = 0  # of a row of a spreadsheet
     key_path: str  # in the manifest, empty in a spreadsheet
     faults: tuple[Fault, ...] = ()
-    model: ManifestModel | None = None  # where its values are right
+    model: models.ManifestModel | None = None  # where its values are right
     complete: bool = False  # without faults, and not waiting for a finger or a scale
 
     @property
@@ -130,7 +121,7 @@ AnyModel = TypeVar("AnyModel", bound=BaseModel)
 class TableChecks:
     """Checks tables one by one; those that others refer to must come first."""
 
-    def __init__(self, folder: Path, surface: Surface = "ridged") -> None:
+    def __init__(self, folder: Path, surface: models.Surface = "ridged") -> None:
         self._folder, self._surface = folder, surface
         # Names seen so far by their folded form; observations and sequences share theirs.
         self._names: dict[Kind, dict[str, str]] = {"scale": {}, "finger": {}, "observation": {}}
@@ -142,7 +133,10 @@ class TableChecks:
         model, faults = None, table.faults
         if not faults:  # what is of a spreadsheet has no place but its line, and is text
             model, faults = checked(MODELS[table.kind], table.content, strict=bool(table.key_path))
-        if isinstance(model, Observation | ContactSequence) and "surface" not in model.model_fields_set:
+        if (
+            isinstance(model, models.Observation | models.ContactSequence)
+            and "surface" not in model.model_fields_set
+        ):
             model = model.model_copy(update={"surface": self._surface if model.file else "ridged"})
         if model is not None:
             model = self._with_shared_keys(model)
@@ -182,7 +176,7 @@ class TableChecks:
             yield Fault(place, f"{table.key!r} is taken; names must differ by more than case")
         names.setdefault(folded(table.key), table.key)
 
-    def _reference_faults(self, model: ManifestModel) -> Iterator[Fault]:
+    def _reference_faults(self, model: models.ManifestModel) -> Iterator[Fault]:
         """Yield which finger and which scales are not there."""
         for place, kind, name in _references(model):
             names = self._names[kind]
@@ -193,7 +187,7 @@ class TableChecks:
                 yield Fault(place, f"no {kind} is named {name!r}{known}")
 
 
-def _references(model: ManifestModel) -> Iterator[tuple[str, Kind, str]]:
+def _references(model: models.ManifestModel) -> Iterator[tuple[str, Kind, str]]:
     """Yield each place where a table refers to a finger or a scale by name, which of them, and the name."""
     if (finger := getattr(model, "finger", None)) is not None:
         yield "finger", "finger", finger
@@ -202,11 +196,13 @@ def _references(model: ManifestModel) -> Iterator[tuple[str, Kind, str]]:
             yield key_path((*loc, "scale")), "scale", scale
 
 
-def _file_faults(model: ManifestModel, folder: Path) -> Iterator[Fault]:
+def _file_faults(model: models.ManifestModel, folder: Path) -> Iterator[Fault]:
     """Yield which files are not in the study folder."""
     for loc, name in model.files():
         try:
-            file_inside(folder, name, may_be_folder=isinstance(model, ContactSequence) and loc == ("file",))
+            file_inside(
+                folder, name, may_be_folder=isinstance(model, models.ContactSequence) and loc == ("file",)
+            )
         except ManifestError as error:
             yield Fault(key_path(loc), str(error))
 
@@ -228,7 +224,7 @@ class LoadedStudy(Displayed):
 
     folder: Path
     digests: Mapping[str, str]  # SHA-256 of its manifest and spreadsheet, by name
-    study: Study  # what is complete
+    study: models.Study  # what is complete
     # All in lists; of the top level and the sections those that are wrong.
     tables: tuple[Table, ...] = ()
     issues: tuple[str, ...] = ()  # a study without any can be run
@@ -238,7 +234,7 @@ class LoadedStudy(Displayed):
         """Return a study without anything in it, and what is wrong with its manifest."""
         wrong = tuple(Fault("", words) for words in faults)
         damage = Table(kind="study", key="", content={}, file="", key_path="", faults=wrong)
-        study, tables = Study(title=folder.absolute().name), (damage,) if wrong else ()
+        study, tables = models.Study(title=folder.absolute().name), (damage,) if wrong else ()
         return cls(folder=folder, digests={}, study=study, tables=tables, issues=tuple(damage.lines))
 
     @property
@@ -255,7 +251,7 @@ class LoadedStudy(Displayed):
         """Return a table, None where there is none."""
         return next((one for one in self.tables if (one.kind, one.key) == (kind, key)), None)
 
-    def complete(self) -> Study:
+    def complete(self) -> models.Study:
         """Return the study; `ManifestError` has one line for each issue."""
         if self.issues:
             raise ManifestError("\n".join(self.issues))
@@ -298,7 +294,7 @@ def is_as_read(loaded: LoadedStudy) -> bool:
     return digests == loaded.digests
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path) -> models.Study:
     """Load a study that can be run; `ManifestError` names each issue."""
     return load_study(path).complete()
 
@@ -375,11 +371,11 @@ def _require_list(listed: Any, where: str, name: str) -> None:
         raise ManifestError(f"{where}: expected a list of tables, as in [[{name}]]")
 
 
-def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Table]]:
+def _top_level(document: Mapping[str, Any], path: Path) -> tuple[models.Study, list[Table]]:
     """Return the study without its lists of tables, and what is wrong at the top level."""
     found, wrong = {}, []
-    models: dict[Kind, type[ManifestModel]] = {"study": Study, **SECTIONS}
-    for kind, model in models.items():
+    parts: dict[Kind, type[models.ManifestModel]] = {"study": models.Study, **SECTIONS}
+    for kind, model in parts.items():
         place = kind if kind in SECTIONS else ""
         content = document.get(kind, {}) if place else {k: v for k, v in document.items() if k not in TABLES}
         _, faults = checked(MODELS[kind], content, strict=True)
@@ -390,7 +386,7 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Tab
         bad = {fault.key_path for fault in faults}
         found[kind] = {key: of for key, of in content.items() if key in model.model_fields and key not in bad}
     sections: dict[str, Any] = {name: model(**found[name]) for name, model in SECTIONS.items()}
-    return Study(**{"title": path.absolute().parent.name, **found["study"], **sections}), wrong
+    return models.Study(**{"title": path.absolute().parent.name, **found["study"], **sections}), wrong
 
 
 def _tables(document: Mapping[str, Any], file: str) -> Iterator[Table]:

@@ -14,8 +14,7 @@ from fingerpad._columns import header_parts
 from fingerpad._csv import csv_cell, csv_text, unescape_formula
 from fingerpad._tables import parse_table, with_point
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest.messages import Fault
-from fingerpad.study.manifest.models import Observation
+from fingerpad.study.manifest.models import Fault, Observation
 from fingerpad.units import FACTORS
 
 # A cell holds no table: these columns make the tables of an observation.

@@ -1,7 +1,7 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -13,12 +13,7 @@ from fingerpad._files import file_stem, make_folder
 from fingerpad._records import from_record
 from fingerpad.flags import FLAGS
 from fingerpad.image import ContactImageResult, read_image, write_overlay
-from fingerpad.study.corrections.apply import (
-    NOTHING,
-    CorrectedContactImage,
-    contact_correction,
-    corrected_contact_image,
-)
+from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.engine.task import Work, in_study
@@ -76,9 +71,6 @@ class Measurement:
     measured_indentation_mm: float = np.nan
 
 
-_FIELDS: Final = frozenset(one.name for one in fields(Measurement))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ObservationItem(OneTaskItem[Observation]):
     """One contact at one load."""
@@ -86,12 +78,12 @@ class ObservationItem(OneTaskItem[Observation]):
     def work(self) -> Work:
         """Return what measures it."""
         return partial(
-            measure_observation, self.table, self.scale, correction=contact_correction(self.correction)
+            measure_observation, self.table, self.scale, correction=apply.contact_correction(self.correction)
         )
 
     def result(self) -> Measurement:
         """Return what was measured, as a person reviewed it."""
-        # The load may have changed since; of the name one copy is enough.
+        # The load may have changed since it was measured; of the name one copy is enough.
         record = {**self.record, "observation": self.name, "load_N": self.table.load_N}
         return reviewed(from_record(Measurement, record), self.correction)
 
@@ -101,14 +93,12 @@ def measure_observation(
     scale: FoundScale | str | None,
     folder: Path,
     out: Path,
-    correction: ContactCorrection = NOTHING,
+    correction: ContactCorrection = apply.NOTHING,
 ) -> Measurement:
     """Measure one observation and write its overlay; the person's verdict is added by `reviewed`."""
-    nothing = Measurement(observation=observation.name, load_N=observation.load_N)
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
-        return replace(
-            nothing,
+        return Measurement(
             semi_major_mm=ellipse.semi_major,
             semi_minor_mm=ellipse.semi_minor,
             covariance_mm2=ellipse.std**2 * np.eye(2),
@@ -118,25 +108,20 @@ def measure_observation(
     assert scale is not None
     found = require_scale(scale)
     pixels = read_image(folder / observation.file).pixels
-    seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
+    seen = apply.corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
-        return with_automatic_axes(replace(nothing, reason=in_study(seen.reason, folder)), seen)
+        return with_automatic_axes(Measurement(reason=in_study(seen.reason, folder)), seen)
     overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
     write_overlay(
         out / overlay, pixels, seen.contact_image, label="synthetic" if observation.synthetic else None
     )
     measured = from_contact_image(seen.contact_image, observation, found)
-    return replace(
-        with_automatic_axes(measured, seen),
-        observation=observation.name,
-        load_N=observation.load_N,
-        overlay=str(overlay),
-    )
+    return replace(with_automatic_axes(measured, seen), overlay=str(overlay))
 
 
-def with_automatic_axes(measured: Measurement, seen: CorrectedContactImage) -> Measurement:
+def with_automatic_axes(measured: Measurement, seen: apply.CorrectedContactImage) -> Measurement:
     """Return a measurement with the automatic semi-axes beside the corrected ones."""
     if seen.automatic is None:
         return measured
@@ -177,7 +162,9 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
     turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
     row, column = contact_image.centroid
-    measured = Measurement(**{name: value for name, value in record.items() if name in _FIELDS})
+    measured = Measurement(
+        **{name: value for name, value in record.items() if name in Measurement.__dataclass_fields__}
+    )
     return replace(
         measured,
         covariance_mm2=contact_image.covariance[:2, :2],
@@ -212,13 +199,12 @@ RIDGES_MERGE: Final = "ridges_merge"
 # Range notes: with a pad of no finger's size, no radius is one; with a modulus of none, the load is doubtful.
 IMPLAUSIBLE_SIZE: Final = "implausible_size"
 _EXCLUDING_NOTES: Final = tuple(flag.code for flag in FLAGS["row"].values() if flag.excludes == "pooling")
-_REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 
 def excluding_flags(contact: Contact, measured: Measurement, notes: Iterable[str] = ()) -> frozenset[str]:
     """Return the flags of a contact, and the range notes, that keep it out of pooled results."""
     excluding = NEVER_POOLED
-    if measured.reviewed not in _REVIEWED:
+    if measured.reviewed not in {"accepted", "corrected"}:
         chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))
         excluding |= POOLED_IF_REVIEWED - ({"several_regions"} if chosen else set())
     return excluding.intersection(measured.flags).union(note for note in notes if note in _EXCLUDING_NOTES)

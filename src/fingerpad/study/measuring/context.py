@@ -17,18 +17,7 @@ from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record, Task, Work, in_study, versions_of
-from fingerpad.study.manifest.models import (
-    CircleScale,
-    CoinScale,
-    GridScale,
-    LineScale,
-    ManifestModel,
-    PitchScale,
-    ResolutionScale,
-    ScaleKey,
-    ScaleTable,
-    Study,
-)
+from fingerpad.study.manifest import models
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,12 +33,12 @@ class FoundScale:
 Scales: TypeAlias = Mapping[str, FoundScale | str]
 
 
-def scale_key(key: ScaleKey) -> str:
+def scale_key(key: models.ScaleKey) -> str:
     """Return what a scale is known by: its name, or what its table says; no name holds a brace."""
     return key if isinstance(key, str) else key.model_dump_json()
 
 
-def scale_tables(study: Study) -> dict[str, tuple[str | None, ScaleTable]]:
+def scale_tables(study: models.Study) -> dict[str, tuple[str | None, models.ScaleTable]]:
     """Return the name, if it has one, and the table of each scale of a study."""
     named = {name: (name, table) for name, table in study.scales.items()}
     return {
@@ -58,7 +47,7 @@ def scale_tables(study: Study) -> dict[str, tuple[str | None, ScaleTable]]:
     }
 
 
-def scale_record(name: str | None, table: ScaleTable, folder: Path, _out: Path) -> Record:
+def scale_record(name: str | None, table: models.ScaleTable, folder: Path, _out: Path) -> Record:
     """Measure a scale, and return what was found as plain values."""
     try:
         found = measure_scale(table, folder, name)
@@ -81,13 +70,13 @@ def require_scale(found: FoundScale | str) -> FoundScale:
     return found
 
 
-def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
+def measure_scale(table: models.ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
     """Return the scale that a table means; `CalibrationError` where no coin or grid is found."""
     match table:
-        case GridScale():
+        case models.GridScale():
             grid = grid_of(table, read_image(folder / table.grid).pixels)
             return FoundScale(scale=grid.scale, name=name, flags=grid.flags)
-        case CoinScale():
+        case models.CoinScale():
             pixels = read_image(folder / table.coin).pixels
             try:
                 coin = measure_coin(pixels)
@@ -95,7 +84,7 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
                 raise CalibrationError(f"{table.coin}: {error}") from error
             scale = coin.scale(table.diameter_mm, table.diameter_mm_std)
             return FoundScale(scale=scale, name=name, flags=coin.flags)
-        case LineScale():
+        case models.LineScale():
             (row, column), (end_row, end_column) = table.line
             scale = Scale.of_line(
                 table.length_mm,
@@ -104,21 +93,21 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
                 length_mm_std=table.length_mm_std,
                 point_px_std=table.ends_px_std,
             )
-        case CircleScale():
+        case models.CircleScale():
             scale = Scale.of_circle(
                 table.diameter_mm,
                 [(row, column) for row, column in table.circle],
                 diameter_mm_std=table.diameter_mm_std,
                 point_px_std=table.points_px_std,
             )
-        case PitchScale():
+        case models.PitchScale():
             scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)
-        case ResolutionScale():
+        case models.ResolutionScale():
             scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
     return FoundScale(scale=scale, name=name)
 
 
-def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
+def grid_of(table: models.GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
     """Find the grid of a table in its picture; `CalibrationError` if it is not found."""
     try:
         return measure_grid(
@@ -135,14 +124,8 @@ def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
 # What of a contact's table changes nothing in what is measured on its picture.
 _NOT_MEASURED: Final = frozenset(
     (
-        "finger",
-        "wedge_angle_deg",
-        "roll_angle_deg",
-        "load_N",
-        "session",
-        "notes",
-        "scale",
-        "pool_min_load_N",
+        *("finger", "wedge_angle_deg", "roll_angle_deg", "load_N"),
+        *("session", "notes", "scale", "pool_min_load_N"),
     )
 )
 
@@ -151,7 +134,7 @@ _NOT_MEASURED: Final = frozenset(
 class RunContext:
     """What a run knows."""
 
-    study: Study
+    study: models.Study
     folder: Path
     active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
     second_operator: Mapping[str, ActiveCorrection] = field(default_factory=dict)
@@ -165,7 +148,7 @@ class RunContext:
             self.digests[path] = str(path) if self.store is None else self.store.digest(path)
         return self.digests[path]
 
-    def scale(self, key: ScaleKey) -> FoundScale | str:
+    def scale(self, key: models.ScaleKey) -> FoundScale | str:
         """Return the scale that a key of the manifest means, or why there is none."""
         return self.scales[scale_key(key)]
 
@@ -182,7 +165,7 @@ class RunContext:
         """Return what the store holds of a task, None where there is nothing with this key."""
         return None if self.store is None else self.store.record(name, key)
 
-    def key(self, table: ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
+    def key(self, table: models.ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what a table of the manifest says, but for the keys of `leave_out`, and more."""
         parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
         key = getattr(table, "scale", None)
@@ -192,14 +175,16 @@ class RunContext:
         digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
         return cache_key(parameters, name, scale, digests, *more)
 
-    def inputs_of(self, table: ManifestModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
+    def inputs_of(
+        self, table: models.ManifestModel, leave_out: frozenset[str] = frozenset()
+    ) -> tuple[str, ...]:
         """Return the files and folders that a table names, but for those of some keys."""
         scale = getattr(table, "scale", None)
         shared = self.study.scales[scale].files() if isinstance(scale, str) else ()
         return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
 
 
-TableOf = TypeVar("TableOf", bound=ManifestModel)
+TableOf = TypeVar("TableOf", bound=models.ManifestModel)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

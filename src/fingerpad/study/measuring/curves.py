@@ -10,6 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from fingerpad import loading
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad._records import fields_from
@@ -19,16 +20,6 @@ from fingerpad.estimate import Estimate
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError, reason_of
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
-from fingerpad.loading import (
-    LayerThicknessFit,
-    LoadingCurve,
-    LoadingFit,
-    fit_contact_compliance,
-    fit_layer_thickness,
-    fit_loading_curve,
-    read_loading_curve,
-    sphere_ratio,
-)
 from fingerpad.study.engine.task import Record, Work, in_study, versions_of
 from fingerpad.study.manifest.models import Curve, Finger, Study, Uncertainty
 from fingerpad.study.measuring.context import FoundScale, OneTaskItem, cache_key, require_scale
@@ -58,11 +49,11 @@ class CurveResult:
     loading_radius: float = math.nan
     loading_radius_std: float = math.nan
     area_relative_std: float = 0.0  # the part of the scale of areas, relative to R_g
-    curve: LoadingCurve | None = None  # None where only R_g was given
-    fit: LoadingFit | None = None
+    curve: loading.LoadingCurve | None = None  # None where only R_g was given
+    fit: loading.LoadingFit | None = None
     velocity: float = math.nan  # of the platen while loading, mm/s; NaN without times
     shape: Shape | None = None
-    layer: LayerThicknessFit | None = None  # with areas and semi-axes, where no thickness is stated
+    layer: loading.LayerThicknessFit | None = None  # with areas and semi-axes, where no thickness is stated
     reason: str | None = None  # why there is no R_g, or why there is nothing but it
 
     @property
@@ -137,15 +128,12 @@ class CurveItem(OneTaskItem[Curve]):
 def curve_names(study: Study) -> list[str | None]:
     """Return the name of each curve as an item, finger and file; None for one without a file."""
     seen: Counter[str] = Counter()
-
-    def name(curve: Curve) -> str | None:
-        if curve.file is None:
-            return None
+    names: list[str | None] = []
+    for curve in study.curves:
         item = f"{curve.finger}/{curve.file}"
         seen[item] += 1
-        return item if seen[item] == 1 else f"{item} ({seen[item]})"
-
-    return [name(curve) for curve in study.curves]
+        names.append(curve.file and (item if seen[item] == 1 else f"{item} ({seen[item]})"))
+    return names
 
 
 class PlacedPad:
@@ -196,7 +184,7 @@ def _record(
         if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
             known["shared_scale_std"] = scale.scale.relative_std
         try:
-            layer = fit_layer_thickness(
+            layer = loading.fit_layer_thickness(
                 data,
                 placement=placed.placement,
                 radius_std=placed.radius_std,
@@ -208,7 +196,7 @@ def _record(
                 **known,
             )
         except FingerpadError as error:
-            layer = LayerThicknessFit.undetermined(str(error))
+            layer = loading.LayerThicknessFit.undetermined(str(error))
         found = replace(found, layer=layer)
     values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
     return {"curve": values, "reason": found.reason if found.failed else None}
@@ -242,10 +230,10 @@ def curve_result(
     try:
         known = _instrument(curve, scale)
         with columns_named_by(partial(columns_in_toml, "file_columns")):
-            data = read_loading_curve(
+            data = loading.read_loading_curve(
                 folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
             )
-        fit = fit_loading_curve(
+        fit = loading.fit_loading_curve(
             data,
             poisson_ratio=poisson_ratio,
             loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
@@ -295,7 +283,7 @@ def _slope_alone(failed: CurveResult, known: Mapping[str, Any]) -> CurveResult:
     if failed.curve is None or failed.manifest.loading_radius_mm is not None:
         return failed
     try:
-        radius = fit_contact_compliance(failed.curve, cycle=failed.manifest.cycle)
+        radius = loading.fit_contact_compliance(failed.curve, cycle=failed.manifest.cycle)
     except FingerpadError:
         return failed
     area_std = known.get("area_relative_std", 0.0)
@@ -308,14 +296,16 @@ def _slope_alone(failed: CurveResult, known: Mapping[str, Any]) -> CurveResult:
     )
 
 
-def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:
+def _velocity(curve: loading.LoadingCurve, fit: loading.LoadingFit, cycle: int) -> float:
     rows = fit.cycles[cycle].loading.rows
     if curve.time is None or not np.ptp(curve.time[rows]) > 0:
         return math.nan
     return float(np.polyfit(curve.time[rows], curve.indentation[rows], 1)[0])
 
 
-def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
+def _shape(
+    pad: Ellipsoid | None, curve: Curve, fit: loading.LoadingFit, poisson_ratio: float
+) -> Shape | None:
     """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or a contact."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if pad is None or not (initial.known and growth.known):
@@ -334,7 +324,7 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     except (GeometryError, ConvergenceError):
         return None
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
-    ratio = sphere_ratio(indentation, area, loading_radius=radius)
+    ratio = loading.sphere_ratio(indentation, area, loading_radius=radius)
     return Shape(geometric_mean_radius=radius, load=loads, ratio=ratio)
 
 

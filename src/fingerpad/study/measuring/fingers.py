@@ -11,21 +11,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from fingerpad import image
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import (
-    FaceSemiAxes,
-    PadSemiAxes,
-    PhotographFit,
-    combine_faces,
-    face_from_outline,
-    read_colour_image,
-    read_outline,
-    write_overlay,
-)
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.engine.task import Work, in_study
@@ -95,7 +86,7 @@ class FingerResult:
     semi_axes: FloatArray  # palmar, distal, radial–ulnar, mm; NaN where they could not be had
     covariance: FloatArray
     source: str  # `given`, `photographs` or `none`
-    outlines: PadSemiAxes | None = None
+    outlines: image.PadSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
     scale: str | None = None  # shared by all its photographs
@@ -172,7 +163,7 @@ def given_pad(finger: Finger) -> FingerResult:
 
 
 def finger_from_faces(
-    finger: Finger, joint: PadSemiAxes, outline_radii: Iterable[tuple[tuple[float, float, float], ...]]
+    finger: Finger, joint: image.PadSemiAxes, outline_radii: Iterable[tuple[tuple[float, float, float], ...]]
 ) -> FingerResult:
     """Return a finger with the semi-axes of its faces, and the radii that side faces' outlines show."""
     names = {face.scale for face in joint.faces}
@@ -238,7 +229,7 @@ def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunCo
         ]
         if finger.photographs:
             joint, results = (
-                combine_faces(face for face, _ in seen),
+                image.combine_faces(face for face, _ in seen),
                 tuple(filter(None, (r for _, r in seen))),
             )
             found = finger_from_faces(finger, joint, (one.outline_radii for one in results))
@@ -273,10 +264,10 @@ def face_record(
     """Measure one photograph of a finger and draw it, and return what was found as plain values."""
     assert photograph.file is not None  # the manifest's own rule
     known = require_scale(scale)
-    pixels = read_colour_image(folder / photograph.file)
+    pixels = image.read_colour_image(folder / photograph.file)
     found = corrected_photograph(pixels, photograph, known.scale, correction)
     make_folder((out / overlay).parent)
-    write_overlay(out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None)
+    image.write_overlay(out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None)
     return {
         "axes": found.face_semi_axes,
         "overlay": overlay,
@@ -288,7 +279,7 @@ def face_record(
     }
 
 
-def outline_radii(found: PhotographFit) -> tuple[tuple[float, float, float], ...]:
+def outline_radii(found: image.PhotographFit) -> tuple[tuple[float, float, float], ...]:
     """Return wedge angles, degrees, and radii with standard uncertainties, mm, of a side face's outline."""
     if found.face not in ("radial", "ulnar"):
         return ()
@@ -297,17 +288,19 @@ def outline_radii(found: PhotographFit) -> tuple[tuple[float, float, float], ...
     return tuple(one for one in radii if math.isfinite(one[1]))
 
 
-def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path) -> FaceSemiAxes:
+def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path) -> image.FaceSemiAxes:
     """Return the semi-axes of a face from points of its outline, and the scale that they were made with."""
     assert photograph.outline is not None
     relative_std = photograph.outline_relative_std if scale is None else scale.scale.relative_std
-    face = face_from_outline(photograph.face, read_outline(folder / photograph.outline), relative_std)
+    face = image.face_from_outline(
+        photograph.face, image.read_outline(folder / photograph.outline), relative_std
+    )
     return face if scale is None else replace(face, scale=scale.name)
 
 
 def _face(
     photograph: Photograph, context: RunContext, record: Mapping[str, Any] | None
-) -> tuple[FaceSemiAxes, PhotographResult | None]:
+) -> tuple[image.FaceSemiAxes, PhotographResult | None]:
     """Return what is known of one face."""
     if photograph.outline is not None:
         own = None if photograph.scale is None else require_scale(context.scale(photograph.scale))
@@ -317,5 +310,5 @@ def _face(
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
     scale = require_scale(context.scale(photograph.scale))
-    axes = replace(from_record(FaceSemiAxes, record["axes"]), scale=scale.name)
+    axes = replace(from_record(image.FaceSemiAxes, record["axes"]), scale=scale.name)
     return axes, PhotographResult(manifest=photograph, scale=scale, **fields_from(PhotographResult, record))

@@ -37,13 +37,13 @@ class OperatorPair:
 
     def as_record(self) -> dict[str, object]:
         """Return it as a line of ``second_operator.csv``."""
+        measured = {"first": self.first, "second": self.second}
         return {
             "observation": self.observation,
             "synthetic": self.synthetic,
             "first_operator": self.first_operator,
             "second_operator": self.second_operator,
-            **{f"first_{name}": self.first.get(name) for name in QUANTITIES},
-            **{f"second_{name}": self.second.get(name) for name in QUANTITIES},
+            **{f"{who}_{name}": of.get(name) for who, of in measured.items() for name in QUANTITIES},
             "iou": self.iou,
             "reason": self.reason,
         }

@@ -15,43 +15,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from fingerpad import image
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
-from fingerpad.image import (
-    ContactImageResult,
-    ForceSignal,
-    Frame,
-    FrameClock,
-    FrameResult,
-    Frames,
-    SequenceSettings,
-    SequenceSummary,
-    TextureScan,
-    assign_times,
-    estimate_settings,
-    frame_clock,
-    measure_frames,
-    open_frames,
-    read_force_signal,
-    read_frame_stamps,
-    scan_texture,
-    sequence_summary,
-    write_overlay,
-)
 from fingerpad.loading.contact_point import first_contact
-from fingerpad.study.corrections.apply import (
-    NOTHING,
-    CorrectedContactImage,
-    ManualPhases,
-    contact_correction,
-    contact_options,
-    corrected_contact_image,
-    frame_corrections,
-    frame_edits,
-    manual_phases,
-)
+from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
 from fingerpad.study.engine.store import DamagedResultError
@@ -86,7 +56,7 @@ def header_task(sequence: ContactSequence, context: RunContext) -> Task:
 
 
 def _header(path: str, folder: Path, _out: Path) -> Record:
-    header = asdict(open_frames(folder / path))
+    header = asdict(image.open_frames(folder / path))
     del header["path"]
     return {"header": header}
 
@@ -109,40 +79,44 @@ class SequenceImages:
 
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
-        options = contact_options(self.sequence, folder)
-        with closing(open_frames(folder / self.sequence.file).between(*piece)) as frames:
-            scan = scan_texture(frames, self.found.scale, **options)
+        options = apply.contact_options(self.sequence, folder)
+        with closing(image.open_frames(folder / self.sequence.file).between(*piece)) as frames:
+            scan = image.scan_texture(frames, self.found.scale, **options)
         return {"scan": replace(scan, reason=scan.reason and in_study(scan.reason, folder))}
 
-    def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
+    def learn(self, scan: image.TextureScan, folder: Path, _out: Path) -> Record:
         """Learn from the frames of the largest contact how to read all of them."""
-        settings = estimate_settings(
-            open_frames(folder / self.sequence.file),
+        settings = image.estimate_settings(
+            image.open_frames(folder / self.sequence.file),
             self.found.scale,
             scan=scan,
-            **contact_options(self.sequence, folder),
+            **apply.contact_options(self.sequence, folder),
         )
         return {"settings": settings.settings, "learnt_from": settings.learnt_from}
 
-    def measure(self, settings: SequenceSettings, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
+    def measure(
+        self, settings: image.SequenceSettings, piece: tuple[int, int], folder: Path, _out: Path
+    ) -> Record:
         """Measure the frames of a piece."""
         measured: dict[int, Measurement] = {}
-        corrected: dict[int, CorrectedContactImage] = {}
+        corrected: dict[int, apply.CorrectedContactImage] = {}
         digests: dict[int, str] = {}
 
-        def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
+        def keep(index: int, _: object, contact_image: image.ContactImageResult) -> None:
             measured[index] = self._measured(contact_image)
 
-        def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
+        def seen(frames: Iterator[image.Frame]) -> Iterator[image.Frame]:
             for frame in frames:
                 digests[frame.index] = frame.digest
                 if frame.index in self.corrections and frame.pixels is not None:
                     corrected[frame.index] = self._corrected(frame, settings, folder)
                 yield frame
 
-        options = contact_options(self.sequence, folder)
-        with closing(open_frames(folder / self.sequence.file).between(*piece)) as frames:
-            results = list(measure_frames(seen(frames), self.found.scale, settings, watch=keep, **options))
+        options = apply.contact_options(self.sequence, folder)
+        with closing(image.open_frames(folder / self.sequence.file).between(*piece)) as frames:
+            results = list(
+                image.measure_frames(seen(frames), self.found.scale, settings, watch=keep, **options)
+            )
         reasons = {result.index: result.reason for result in results}
         for index, one in corrected.items():
             reasons[index] = one.reason
@@ -162,27 +136,29 @@ class SequenceImages:
             ]
         }
 
-    def _corrected(self, frame: Frame, settings: SequenceSettings, folder: Path) -> CorrectedContactImage:
+    def _corrected(
+        self, frame: image.Frame, settings: image.SequenceSettings, folder: Path
+    ) -> apply.CorrectedContactImage:
         """Measure one frame as a person wants it, if anybody does."""
         assert frame.pixels is not None
-        change = self.corrections.get(frame.index, NOTHING)
-        return corrected_contact_image(
+        change = self.corrections.get(frame.index, apply.NOTHING)
+        return apply.corrected_contact_image(
             frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings.settings
         )
 
-    def _measured(self, contact_image: ContactImageResult) -> Measurement:
+    def _measured(self, contact_image: image.ContactImageResult) -> Measurement:
         return from_contact_image(contact_image, self.sequence, self.found)
 
     def draw(
         self,
-        settings: SequenceSettings,
-        summary: SequenceSummary,
+        settings: image.SequenceSettings,
+        summary: image.SequenceSummary,
         chosen: Mapping[str, int],
         folder: Path,
         out: Path,
     ) -> Record:
         """Draw frames chosen for their roles, each once, and return what the sequence comes to."""
-        frames = open_frames(folder / self.sequence.file)
+        frames = image.open_frames(folder / self.sequence.file)
         overlays: dict[int, FrameOverlay] = {}
         for role, index in chosen.items():
             if index in overlays:
@@ -195,7 +171,7 @@ class SequenceImages:
             assert frame.pixels is not None  # it was measured
             assert contact_image is not None
             make_folder((out / file).parent)
-            write_overlay(out / file, frame.pixels, contact_image, label=label)
+            image.write_overlay(out / file, frame.pixels, contact_image, label=label)
         return {"summary": summary, "overlays": list(overlays.values())}
 
 
@@ -204,10 +180,10 @@ class SequenceResult:
     """What a sequence comes to."""
 
     manifest: ContactSequence
-    summary: SequenceSummary | None = None  # None where it could not be measured
+    summary: image.SequenceSummary | None = None  # None where it could not be measured
     overlays: tuple[FrameOverlay, ...] = ()
     reason: str | None = None
-    phases: ManualPhases | None = None
+    phases: apply.ManualPhases | None = None
 
 
 def frames_beyond(
@@ -231,22 +207,36 @@ class OpenedSequence:
             # No name holds a colon: the frames of a sequence share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
         header = header_task(sequence, context)
-        known = fields_from(Frames, _good(context, header.name, header.key)["header"])
+        known = fields_from(image.Frames, _good(context, header.name, header.key)["header"])
         self.sequence, self.context = sequence, context
-        self.frames = Frames(path=context.folder / sequence.file, **known)
+        self.frames = image.Frames(path=context.folder / sequence.file, **known)
         # By frame, those between key frames included.
-        self.active = frame_corrections(context.active_corrections, sequence.name)
-        edited = {frame: contact_correction(one) for frame, one in self.active.items() if one.change.edits}
+        self.active = apply.frame_corrections(context.active_corrections, sequence.name)
+        edited = {
+            frame: apply.contact_correction(one) for frame, one in self.active.items() if one.change.edits
+        }
         self.images = SequenceImages(sequence=sequence, found=found, corrections=edited)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         with columns_named_by(partial(columns_in_toml, "force_columns")):
-            self.force = read_force_signal(context.folder / sequence.force, columns)
-        self.clock = _clock(sequence, self.frames, self.force, context.folder)  # on the force's time
+            self.force = image.read_force_signal(context.folder / sequence.force, columns)
+        self.clock = self._clock()
+
+    def _clock(self) -> image.FrameClock:
+        """Return the frames' clock on the force's time."""
+        if (times := self.sequence.times) is not None:
+            with columns_named_by(lambda _: ""):  # no key of the manifest names columns of this table
+                return image.read_frame_stamps(self.context.folder / times)
+        start, load = self.sequence.start_s, self.sequence.contact_load_N
+        rate, numbers = self.sequence.frames_per_second or self.frames.frames_per_second, self.frames.numbers
+        if rate is None:
+            file = self.sequence.file
+            raise LoadingError(f"{file}: pictures state no rate: give frames_per_second, or times")
+        return image.frame_clock(rate, self.force, start_time=start, contact_load=load, numbers=numbers)
 
     @property
-    def phases(self) -> ManualPhases | None:
+    def phases(self) -> apply.ManualPhases | None:
         """Its phases where a person set them; None where they follow from the force."""
-        return manual_phases(self.context.active_corrections, self.sequence.name)
+        return apply.manual_phases(self.context.active_corrections, self.sequence.name)
 
     @property
     def pieces(self) -> list[tuple[int, int]]:
@@ -259,12 +249,12 @@ class OpenedSequence:
         """Yield the tasks of each stage, which needs the results of the one before in the store."""
         images = self.images
         yield [self._task("survey", partial(images.scan, piece), piece) for piece in self.pieces]
-        surveyed = TextureScan.joined(
-            from_record(TextureScan, self._stored("survey", piece)["scan"]) for piece in self.pieces
+        surveyed = image.TextureScan.joined(
+            from_record(image.TextureScan, self._stored("survey", piece)["scan"]) for piece in self.pieces
         )
         yield [self._task("reading", partial(images.learn, surveyed))]
         learnt = self._stored("reading")
-        settings = SequenceSettings(
+        settings = image.SequenceSettings(
             settings=learnt["settings"], learnt_from=tuple(learnt["learnt_from"]), texture=surveyed.texture
         )
         measure = partial(images.measure, settings)
@@ -275,12 +265,12 @@ class OpenedSequence:
         draw = partial(images.draw, settings, *self._summary())
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
-    def _summary(self) -> tuple[SequenceSummary, dict[str, int]]:
+    def _summary(self) -> tuple[image.SequenceSummary, dict[str, int]]:
         """Return what the frames come to, and the few that are worth drawing, by their roles."""
         chosen: dict[str, int] = {}
         largest_load = -math.inf
 
-        def followed() -> Iterator[FrameResult]:
+        def followed() -> Iterator[image.FrameResult]:
             nonlocal largest_load
             for result in self.placed():
                 if result.measures is not None and result.phase in IN_CONTACT:
@@ -290,7 +280,7 @@ class OpenedSequence:
                     chosen["last contact"] = result.index
                 yield result
 
-        summary = sequence_summary(followed(), self.force, frames=self.frames, clock=self.clock)
+        summary = image.sequence_summary(followed(), self.force, frames=self.frames, clock=self.clock)
         if self.force.displacement is not None:
             try:
                 self._contact()
@@ -351,10 +341,10 @@ class OpenedSequence:
             for frame in self._stored(_FRAMES, piece)["frames"]
         }
 
-    def placed(self) -> Iterator[FrameResult]:
+    def placed(self) -> Iterator[image.FrameResult]:
         """Yield each frame with its time, load and phase, and its measurement as the store has it."""
         results = (
-            FrameResult(
+            image.FrameResult(
                 index=frame["index"],
                 readable=frame["readable"],
                 reason=frame["reason"],
@@ -364,7 +354,7 @@ class OpenedSequence:
             for piece in self.pieces
             for frame in self._stored(_FRAMES, piece)["frames"]
         )
-        return assign_times(
+        return image.assign_times(
             results,
             np.empty(0),
             clock=self.clock,
@@ -372,7 +362,7 @@ class OpenedSequence:
             phases=self.phases and self.phases.correction.intervals,
         )
 
-    def _row(self, result: FrameResult, contact: float) -> Measurement | None:
+    def _row(self, result: image.FrameResult, contact: float) -> Measurement | None:
         if not result.readable:
             seen = Measurement(reason=result.reason)
         elif result.measures is not None and result.phase in IN_CONTACT:
@@ -392,7 +382,7 @@ class OpenedSequence:
             counts=result.measures is not None and self._counts(result, seen),
         )
 
-    def _counts(self, result: FrameResult, measured: Measurement) -> bool:
+    def _counts(self, result: image.FrameResult, measured: Measurement) -> bool:
         """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges, if any."""
         if result.phase != "loading":
             return False
@@ -419,7 +409,7 @@ class SequenceItem(Item[ContactSequence]):
     def _key(self) -> str:
         return self.context.key(
             self.table,
-            frame_edits(self.context.active_corrections, self.name),
+            apply.frame_edits(self.context.active_corrections, self.name),
             self.context.edits(phases_item(self.name)),
         )
 
@@ -445,7 +435,7 @@ class SequenceItem(Item[ContactSequence]):
         return SequenceResult(
             manifest=self.table,
             **fields_from(SequenceResult, self.record),
-            phases=manual_phases(self.context.active_corrections, self.name),
+            phases=apply.manual_phases(self.context.active_corrections, self.name),
         )
 
 
@@ -495,20 +485,3 @@ def _good(context: RunContext, task: str, key: str) -> Record:
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
     return record
-
-
-def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:
-    """Return the frames' clock on the force's time."""
-    if sequence.times is not None:
-        with columns_named_by(lambda _: ""):  # no key of the manifest names columns of this table
-            return read_frame_stamps(folder / sequence.times)
-    rate = sequence.frames_per_second or frames.frames_per_second
-    if rate is None:
-        raise LoadingError(f"{sequence.file}: pictures state no rate: give frames_per_second, or times")
-    return frame_clock(
-        rate,
-        force,
-        start_time=sequence.start_s,
-        contact_load=sequence.contact_load_N,
-        numbers=frames.numbers,
-    )

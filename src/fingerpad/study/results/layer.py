@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from fingerpad import uncertainty
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.contact.fast_laws import find_modulus, plate_gap, press
 from fingerpad.exceptions import UncertaintyError
@@ -19,16 +20,6 @@ from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of
 from fingerpad.study.results.table import COLUMNS, ColumnArray
-from fingerpad.uncertainty import (
-    LAYER_OUTPUTS,
-    LAYER_SOURCES,
-    Inputs,
-    Propagated,
-    layer_flag,
-    layer_model,
-    propagate,
-    run_monte_carlo,
-)
 from fingerpad.uncertainty.models import indentation_model
 from fingerpad.units import KPA_PER_MPA
 
@@ -40,7 +31,7 @@ HERTZ_OF: Final = {
 }
 # Outputs that are pooled over the contacts of a finger at one angle.
 POOLED_ON_LAYER: Final = ("youngs_modulus", "youngs_modulus_on_layer", "loading_radius_on_layer")
-LAYER_PART_SOURCES: Final = part_sources(LAYER_SOURCES)
+LAYER_PART_SOURCES: Final = part_sources(uncertainty.LAYER_SOURCES)
 # The value is in the range of the laws, a standard uncertainty away is not.
 UNCERTAINTY_OUT_OF_RANGE: Final = "uncertainty_out_of_range"
 
@@ -55,11 +46,13 @@ def unit_of(output: str) -> tuple[str, float]:
 
 def both_models(**inputs: FloatArray) -> dict[str, FloatArray]:
     """Return what `layer_model` says on the layer, and what Hertz theory says of the same."""
-    outputs = layer_model(**inputs)
-    return {name: outputs[name] for name in (*HERTZ_OF.values(), *LAYER_OUTPUTS)}
+    outputs = uncertainty.layer_model(**inputs)
+    return {name: outputs[name] for name in (*HERTZ_OF.values(), *uncertainty.LAYER_OUTPUTS)}
 
 
-def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLike) -> Inputs:
+def with_thickness(
+    inputs: uncertainty.Inputs, thickness: ArrayLike, thickness_std: ArrayLike
+) -> uncertainty.Inputs:
     """Return the inputs of `layer_model` from those of `pad_model`; the thickness is independent of them."""
     shape = np.broadcast_shapes(inputs.mean.shape[:-1], np.shape(thickness), np.shape(thickness_std))
     count = len(inputs.names)
@@ -67,29 +60,31 @@ def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLik
     mean[..., :count], mean[..., count] = inputs.mean, thickness
     covariance[..., :count, :count] = inputs.covariance
     covariance[..., count, count] = as_float_array(thickness_std) ** 2
-    names = (*inputs.names, *LAYER_SOURCES["thickness"])
-    return Inputs(names=names, mean=mean, covariance=covariance, groups=LAYER_SOURCES)
+    names = (*inputs.names, *uncertainty.LAYER_SOURCES["thickness"])
+    return uncertainty.Inputs(names=names, mean=mean, covariance=covariance, groups=uncertainty.LAYER_SOURCES)
 
 
 class Layered:
     """Contacts on a layer, by their inputs with the thickness; NaN where they are flagged."""
 
-    def __init__(self, inputs: Inputs, method: str) -> None:
+    def __init__(self, inputs: uncertainty.Inputs, method: str) -> None:
         with np.errstate(all="ignore"):
-            self.propagated = propagate(both_models, inputs)  # by first order
+            self.propagated = uncertainty.propagate(both_models, inputs)  # by first order
             # By the study's method; NaN beyond the range of the laws.
             self.std = self.propagated.std if method == "first_order" else _simulated_std(self.propagated)
-        flag, known = layer_flag(inputs), np.isfinite(self.std).all(axis=-1)
+        flag, known = uncertainty.layer_flag(inputs), np.isfinite(self.std).all(axis=-1)
         # What is out of that range; empty where nothing is.
         self.flag = np.where((flag == "") & ~known, UNCERTAINTY_OUT_OF_RANGE, flag)
 
 
-def _simulated_std(propagated: Propagated) -> FloatArray:
+def _simulated_std(propagated: uncertainty.Propagated) -> FloatArray:
     """Return standard uncertainties by Monte Carlo, NaN where draws leave the range of the laws."""
     std = np.full(propagated.value.shape, np.nan)
     for place in np.flatnonzero(np.isfinite(propagated.value).all(axis=-1)).tolist():
         try:
-            drawn = run_monte_carlo(both_models, propagated.inputs.at(place), max_draws=MOST_DRAWS)
+            drawn = uncertainty.run_monte_carlo(
+                both_models, propagated.inputs.at(place), max_draws=MOST_DRAWS
+            )
         except UncertaintyError:  # most draws are out of range
             continue
         if drawn.undefined <= _MOST_UNDEFINED * drawn.draws:
@@ -98,7 +93,7 @@ def _simulated_std(propagated: Propagated) -> FloatArray:
 
 
 def layer_columns(
-    pads: Sequence[FingerResult], inputs: Inputs, given: Uncertainty
+    pads: Sequence[FingerResult], inputs: uncertainty.Inputs, given: Uncertainty
 ) -> tuple[dict[str, ColumnArray], FloatArray]:
     """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness.
 
@@ -120,7 +115,7 @@ def layer_columns(
         with_thickness(inputs.at(stated), thickness[stated], np.nan_to_num(std[stated])), given.method
     )
     flags[stated] = [flag or None for flag in found.flag.tolist()]
-    for name in LAYER_OUTPUTS:
+    for name in uncertainty.LAYER_OUTPUTS:
         place, (unit, factor) = found.propagated.place(name), unit_of(name)
         for end, outputs in (("", found.propagated.value), ("_std", found.std)):
             columns[f"{name}_{unit}{end}"] = COLUMNS[f"{name}_{unit}{end}"].unknown(len(pads))
@@ -139,7 +134,7 @@ class LayerQuantity:
     budget: dict[str, float]  # share of each source in the variance
 
 
-def quantity_of(propagated: Propagated, name: str) -> LayerQuantity:
+def quantity_of(propagated: uncertainty.Propagated, name: str) -> LayerQuantity:
     """Return an output of one contact in the unit of the tables."""
     _, factor = unit_of(name)
     place = propagated.place(name)
@@ -152,7 +147,7 @@ def quantity_of(propagated: Propagated, name: str) -> LayerQuantity:
 
 _SOURCES: Final = {
     **{
-        name: LAYER_SOURCES[name]
+        name: uncertainty.LAYER_SOURCES[name]
         for name in ("semi-axes", "wedge angle", "roll angle", "Poisson's ratio", "load")
     },
     "place of contact": ("indentation",),
@@ -189,7 +184,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
         return None
     load = curve.fit.modulus_load
     inputs = _inputs(study, finger, curve.manifest.wedge_angle_deg, curve.fit, offset.std)
-    found = propagate(indentation_model, inputs)
+    found = uncertainty.propagate(indentation_model, inputs)
     indentation, shift = inputs.mean[0, inputs.places(["indentation", "contact_shift"])].tolist()
     _, contact = find_modulus(
         _gap(finger, curve.manifest.wedge_angle_deg),
@@ -211,7 +206,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
 
 def _inputs(
     study: Study, finger: FingerResult, wedge_angle_deg: float, fit: LoadingFit, offset_std: float
-) -> Inputs:
+) -> uncertainty.Inputs:
     """Return the inputs of `indentation_model` at the highest load, as one contact."""
     given, secant, load = study.uncertainty, fit.secant, fit.modulus_load
     thickness, thickness_std = finger.effective_thickness or math.nan, finger.effective_thickness_std or 0.0
@@ -223,7 +218,7 @@ def _inputs(
     # Signed: it goes with the thickness. Where a shift is unknown, the highest load is out of range.
     shift_std = (ends[1] - ends[0]) / 2 if np.isfinite(ends).all() else 0.0
     one: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
-    inputs = Inputs.of(
+    inputs = uncertainty.Inputs.of(
         **one,
         wedge_angle=([math.radians(wedge_angle_deg)], math.radians(given.wedge_deg_std)),
         roll_angle=(0.0, math.radians(given.roll_angle_deg_std)),

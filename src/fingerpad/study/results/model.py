@@ -14,20 +14,12 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from fingerpad import uncertainty
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Contact, Study, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.uncertainty import (
-    PAD_SOURCES,
-    Inputs,
-    Propagated,
-    covariance_root,
-    pad_model,
-    propagate,
-    run_monte_carlo,
-)
 from fingerpad.uncertainty.models import pad_inputs
 
 # Radii that are pooled over the contacts of a finger at one angle.
@@ -55,7 +47,7 @@ def part_sources(sources: Mapping[str, Sequence[str]]) -> npt.NDArray[np.str_]:
     return np.array([*2 * [source for source, names in sources.items() for _ in names], *COMMON])
 
 
-PART_SOURCES: Final = part_sources(PAD_SOURCES)
+PART_SOURCES: Final = part_sources(uncertainty.PAD_SOURCES)
 # Most draws for a row's own interval.
 MOST_DRAWS: Final = 200_000
 
@@ -66,16 +58,20 @@ class Modelled:
     Its derivatives are far larger than that.
     """
 
-    def __init__(self, inputs: Inputs, given: Uncertainty) -> None:
+    def __init__(self, inputs: uncertainty.Inputs, given: Uncertainty) -> None:
         finite: BoolArray = np.asarray(
             np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
         )
         covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
         with np.errstate(all="ignore"):
-            propagated = propagate(pad_model, replace(inputs, covariance=covariance))
+            propagated = uncertainty.propagate(uncertainty.pad_model, replace(inputs, covariance=covariance))
             parts = parts_of(propagated, POOLED_OUTPUTS, given)
         known: BoolArray = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
-        std = _monte_carlo(propagated, known) if given.method == "monte_carlo" else propagated.std
+        std = propagated.std
+        if given.method == "monte_carlo":
+            for row in np.flatnonzero(known).tolist():
+                one = propagated.inputs.at(row)
+                std[row] = uncertainty.run_monte_carlo(uncertainty.pad_model, one, max_draws=MOST_DRAWS).std
         answered: BoolArray = known & np.isfinite(std).all(axis=-1)
 
         def by_output(outputs: FloatArray) -> dict[str, FloatArray]:
@@ -97,7 +93,7 @@ def contact_inputs(
     fingers: Mapping[str, FingerResult],
     seen: Sequence[tuple[Contact, Measurement]],
     repeatability: Mapping[bool, FloatArray] = MappingProxyType({}),
-) -> Inputs:
+) -> uncertainty.Inputs:
     """Return the inputs of `pad_model` for some contacts."""
     given, count = study.uncertainty, len(seen)
     pads = [fingers[contact.finger] for contact, _ in seen]
@@ -127,9 +123,9 @@ def contact_inputs(
         own = np.reshape([one.covariance_mm2 for _, one in seen], (count, 2, 2))
         own = own - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
         own = own - (edge_std**2)[:, None, None]
-        root = covariance_root(own)  # without the negative eigenvalues that a difference can have
+        root = uncertainty.covariance_root(own)  # without the negative eigenvalues that a difference can have
     lengths: dict[str, Any] = {name: (of, 0.0) for name, of in zip(SEMI_AXES, semi_axes.T, strict=True)}
-    measured = Inputs.of(
+    measured = uncertainty.Inputs.of(
         **lengths,
         image_scale=(np.ones(count), 0.0),
         edge_offset=(0.0, edge_std),
@@ -147,19 +143,11 @@ def contact_inputs(
     if repeatability:
         synthetic = [one.synthetic or pad.synthetic for (one, _), pad in zip(seen, pads, strict=True)]
         deviations = np.reshape([repeatability[each] for each in synthetic], (count, 2, 2))
-        measured = measured.with_covariance(PAD_SOURCES["repeatability"], deviations)
+        measured = measured.with_covariance(uncertainty.PAD_SOURCES["repeatability"], deviations)
     measured = measured.with_covariance((*SEMI_AXES, "image_scale"), geometry)
     return pad_inputs(
         measured.with_covariance(("semi_major", "semi_minor"), root @ np.swapaxes(root, -1, -2))
     )
-
-
-def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
-    """Return standard uncertainties by Monte Carlo, shape (contacts, outputs)."""
-    std = propagated.std
-    for place in np.flatnonzero(answered).tolist():
-        std[place] = run_monte_carlo(pad_model, propagated.inputs.at(place), max_draws=MOST_DRAWS).std
-    return std
 
 
 def _common_shares(given: Uncertainty) -> dict[str, float]:
@@ -170,9 +158,9 @@ def _common_shares(given: Uncertainty) -> dict[str, float]:
     }
 
 
-def _std_from(propagated: Propagated, sources: Sequence[str], given: Uncertainty) -> FloatArray:
+def _std_from(propagated: uncertainty.Propagated, sources: Sequence[str], given: Uncertainty) -> FloatArray:
     """Return first-order standard uncertainties from what is a contact's own of some sources."""
-    names = [name for source in sources for name in PAD_SOURCES[source]]
+    names = [name for source in sources for name in uncertainty.PAD_SOURCES[source]]
     places = propagated.inputs.places(names)
     common = _common_shares(given)
     slopes = propagated.jacobian[..., places] * [math.sqrt(1 - common.get(name, 0.0) ** 2) for name in names]
@@ -181,7 +169,7 @@ def _std_from(propagated: Propagated, sources: Sequence[str], given: Uncertainty
     return as_float_array(np.sqrt(np.maximum(variance, 0)))
 
 
-def parts_of(propagated: Propagated, outputs: Sequence[str], given: Uncertainty) -> FloatArray:
+def parts_of(propagated: uncertainty.Propagated, outputs: Sequence[str], given: Uncertainty) -> FloatArray:
     """Return the parts of some outputs, in the order of `part_sources`."""
     pooled = [propagated.place(name) for name in outputs]
     first = propagated.jacobian[:, pooled] @ _root_by_source(propagated.inputs)
@@ -192,7 +180,7 @@ def parts_of(propagated: Propagated, outputs: Sequence[str], given: Uncertainty)
     return np.concatenate([first, propagated.second_order[:, pooled], shared], axis=-1)
 
 
-def _root_by_source(inputs: Inputs) -> FloatArray:
+def _root_by_source(inputs: uncertainty.Inputs) -> FloatArray:
     """Return F with F Fᵀ = covariance, each column of one input; the scale has what axes share with it."""
     covariance = inputs.covariance
     (scale,) = inputs.places(["image_scale"])
@@ -203,6 +191,6 @@ def _root_by_source(inputs: Inputs) -> FloatArray:
     for names in inputs.groups.values():
         places = inputs.places(names)
         block = slice(places[0], places[-1] + 1)
-        root[:, block, block] = covariance_root(rest[:, block, block])
+        root[:, block, block] = uncertainty.covariance_root(rest[:, block, block])
     root[:, :, scale] = column
     return root

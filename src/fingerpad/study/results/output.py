@@ -26,15 +26,7 @@ from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary,
 from fingerpad.study.results.repeats import StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
-from fingerpad.study.results.validity.model_checks import (
-    AREA_FALLS,
-    FAILS,
-    MODULUS,
-    QUANTITIES_COMPARED,
-    RADIUS,
-    STRAINED,
-)
-from fingerpad.uncertainty.repeats import ContactRepeatability
+from fingerpad.study.results.validity import model_checks
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
@@ -76,11 +68,12 @@ def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: P
             # To write a float in decimals costs more than all else: once for both files.
             cells = {name: _cells(batch[name]) for name in names}
             lines.writerows(zip(*cells.values(), strict=True))
-            keyed = (
-                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])]
-                for name in names
-            )
-            objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
+            for name in names:
+                if COLUMNS[name].dtype == "text":
+                    texts = items(batch[name])
+                    cells[name] = ["null" if text is None else encode_basestring(text) for text in texts]
+            keyed = ([f'  "{name}": {cell or "null"}' for cell in some] for name, some in cells.items())
+            objects = (" {\n" + ",\n".join(pairs) + "\n }" for pairs in zip(*keyed, strict=True))
             array.write(between + ",\n".join(objects))
             between = ",\n"
         array.write("\n]\n" if len(rows) else "]\n")
@@ -96,13 +89,6 @@ def _cells(column: pd.Series) -> list[str]:
     return cells
 
 
-def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:
-    """Return a column as JSON literals, which are its CSV cells but for text and what is not known."""
-    if COLUMNS[name].dtype == "text":
-        return ["null" if item is None else encode_basestring(item) for item in items(rows[name])]
-    return [cell or "null" for cell in cells]
-
-
 def summary_of(result: StudyResult) -> summary_file.SummaryFile:
     """Return the content of ``summary.json``."""
     gain = result.study.uncertainty.load_gain_relative_std
@@ -113,7 +99,14 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
         summaries=_placements(result),
         repeatability=summary_file.RepeatabilityRecord(
             contact=[
-                _contact_repeatability(one, synthetic=synthetic)
+                summary_file.ContactRepeatabilityRecord.of(
+                    one,
+                    synthetic=synthetic,
+                    contact_area_log_std=one.area_std if one.known else None,
+                    aspect_ratio_log_std=one.aspect_ratio_std if one.known else None,
+                    log_radius_and_elongation_covariance=one.covariance.tolist() if one.known else None,
+                    degrees_of_freedom=one.freedom,
+                )
                 for synthetic, one in result.repeatability.items()
                 if (result.rows["synthetic"].to_numpy() == synthetic).any()
             ],
@@ -191,7 +184,10 @@ def _placement(
     loading: LoadingRadius | None,
 ) -> summary_file.PlacementRecord:
     framed = summary.column("frame").notna()
-    radius = validity.headlines[RADIUS]
+    counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
+    # Places are by load: the last is that of the highest.
+    highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
+    radius = validity.headlines[model_checks.RADIUS]
     return summary_file.PlacementRecord.of(
         summary,
         summary.first,  # of the undeformed pad, the same in all rows
@@ -202,7 +198,9 @@ def _placement(
         on_layer=summary.layer and _on_layer(summary.layer),
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
-        **_at_highest_load(summary),
+        highest_load_N=highest.get("load_N"),
+        highest_area_mm2=highest.get("gross_area_mm2"),
+        highest_area_mm2_std=highest.get("gross_area_mm2_std"),
         **_exponent(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,
@@ -210,17 +208,6 @@ def _placement(
         radius_from_indentation_mm_verdict=radius.verdict,
         validity=validity,
     )
-
-
-def _at_highest_load(summary: Summary) -> dict[str, Any]:
-    counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
-    # Places are by load: the last is that of the highest.
-    row = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
-    return {
-        "highest_load_N": row.get("load_N"),
-        "highest_area_mm2": row.get("gross_area_mm2"),
-        "highest_area_mm2_std": row.get("gross_area_mm2_std"),
-    }
 
 
 def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
@@ -271,19 +258,6 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
         f"{name}_{unit}_std": quantity and quantity.std,
         f"{name}_variance_shares": quantity and quantity.budget,
     }
-
-
-def _contact_repeatability(
-    one: ContactRepeatability, *, synthetic: bool
-) -> summary_file.ContactRepeatabilityRecord:
-    return summary_file.ContactRepeatabilityRecord.of(
-        one,
-        synthetic=synthetic,
-        contact_area_log_std=one.area_std if one.known else None,
-        aspect_ratio_log_std=one.aspect_ratio_std if one.known else None,
-        log_radius_and_elongation_covariance=one.covariance.tolist() if one.known else None,
-        degrees_of_freedom=one.freedom,
-    )
 
 
 def scatter_record(one: StudyScatter) -> summary_file.ScatterRecord:
@@ -405,12 +379,14 @@ class Answer:
             return f"no modulus and no corrected radius, as none of {seen} counts"
         layer = hertz.on_layer if self.on_bone else None
         bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
-        if layer and layer.verdict in {STRAINED, FAILS}:
+        if layer and layer.verdict in {model_checks.STRAINED, model_checks.FAILS}:
             of_layer = _largest(layer.verdict, layer.checks)
             bone += f" (layer {layer.verdict}{of_layer and f': {of_layer}'})"
         theory = f"; Hertz theory {hertz.verdict}{off}"
-        if layer and layer.verdict == hertz.verdict == FAILS:  # the modulus is known to a range at best
-            other = hertz.headlines[MODULUS]
+        if (
+            layer and layer.verdict == hertz.verdict == model_checks.FAILS
+        ):  # the modulus is known to a range at best
+            other = hertz.headlines[model_checks.MODULUS]
             value = _quantity("or", other.value, other.total_std, "kPa")
             theory = f" {value} by Hertz theory, which fails too{off}: report the range"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
@@ -435,7 +411,7 @@ def answers(
 
 def _answer(of: summary_file.PlacementRecord, highest: summary_file.AtLoadRecord | None) -> Answer:
     if highest is None:  # frames alone: of the one at the highest load
-        modulus = of.validity.headlines[MODULUS]
+        modulus = of.validity.headlines[model_checks.MODULUS]
         return Answer(
             of=of,
             load=of.highest_load_N,
@@ -467,14 +443,14 @@ def _quantity(words: str, value: float, std: float, unit: str) -> str:
 def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
     """Return the largest difference that a verdict rests on; empty where it rests on none."""
     concerned = [one for one in checks if one.verdict == verdict and math.isfinite(one.relative_difference)]
-    if verdict not in {STRAINED, FAILS} or not concerned:
+    if verdict not in {model_checks.STRAINED, model_checks.FAILS} or not concerned:
         return ""
     # Of one comparison in several words the first.
     worst = max(concerned, key=lambda one: round(abs(math.log1p(one.relative_difference)), 9))
-    if worst.check == AREA_FALLS:
+    if worst.check == model_checks.AREA_FALLS:
         return f"area falls {worst.note}"
     difference = f"{100 * worst.relative_difference:+.0f} %".replace("-", "−")
-    return f"{QUANTITIES_COMPARED[worst.check]} {difference}"
+    return f"{model_checks.QUANTITIES_COMPARED[worst.check]} {difference}"
 
 
 def answers_of(result: StudyResult) -> list[Answer]:

@@ -8,38 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._words import counted
-from fingerpad.study.results.layer import (
-    HERTZ_OF,
-    LAYER_PART_SOURCES,
-    POOLED_ON_LAYER,
-    Layered,
-    LayerQuantity,
-    quantity_of,
-    unit_of,
-    with_thickness,
-)
-from fingerpad.study.results.model import (
-    COMMON,
-    GEOMETRY,
-    OF_THE_DEVICE,
-    OF_THE_PLACEMENT,
-    PART_SOURCES,
-    POOLED_OUTPUTS,
-)
+from fingerpad.study.results import layer, model
 from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
 from fingerpad.study.results.table import Indices, groups, numbered
-from fingerpad.uncertainty import (
-    NestedScatter,
-    Pooled,
-    RandomEffects,
-    SharedErrors,
-    nested_scatter,
-    pool,
-    pool_random_effects,
-    proportional_stds,
-)
 from fingerpad.uncertainty.press_slope import PressSlope
 
 # From which exponents and checks of areas follow.
@@ -105,22 +79,23 @@ def area_noise(rows: pd.DataFrame) -> FloatArray:
 
 
 # Sources that contacts share, parts that a contact shares with no other, and parts of second order.
-_SHARED: Final = (*OF_THE_PLACEMENT, *OF_THE_DEVICE, "thickness")
-_OWN: Final = ~np.isin(PART_SOURCES, _SHARED)
-_SECOND: Final = np.arange(PART_SOURCES.size) >= (PART_SOURCES.size - len(COMMON)) // 2
+_SHARED: Final = (*model.OF_THE_PLACEMENT, *model.OF_THE_DEVICE, "thickness")
+_OWN: Final = ~np.isin(model.PART_SOURCES, _SHARED)
+_SECOND: Final = np.arange(model.PART_SOURCES.size) >= (model.PART_SOURCES.size - len(model.COMMON)) // 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledRadius:
     """A radius pooled over contacts."""
 
-    random: RandomEffects  # contacts taken to have different radii about a mean: the pooled radius
+    # contacts taken to have different radii about a mean: the pooled radius
+    random: uncertainty.RandomEffects
     # its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017)
     fixed_geometry: float
     # all contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge)
-    fixed: Pooled
+    fixed: uncertainty.Pooled
     # of contacts under one load (``"repeat"``), and between loads (``"load"``), if only of two
-    scatter: NestedScatter
+    scatter: uncertainty.NestedScatter
     # share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
     # contacts adds
     budget: dict[str, float]
@@ -165,25 +140,30 @@ class PooledRadius:
         that their mean has the uncertainty of one frame, however many there are.
         """
         places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
-        parts, elongation_std = rows.parts[places, POOLED_OUTPUTS.index(output)], rows.elongation_std[places]
+        parts, elongation_std = (
+            rows.parts[places, model.POOLED_OUTPUTS.index(output)],
+            rows.elongation_std[places],
+        )
         bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
         first, second = (np.square(parts[:, _OWN & of]).sum(axis=-1) for of in (~_SECOND, _SECOND))
         variance = np.sum(elongation_std**2)
         slope = first.sum() / variance if variance > 0 else 0.0
         own_std = np.sqrt(slope * elongation_std**2 + second)
-        seen = _Estimates(pooled, estimate, own_std, parts, PART_SOURCES)
+        seen = _Estimates(pooled, estimate, own_std, parts, model.PART_SOURCES)
         value, shared = seen.mean(pooled[f"{output}_mm"].to_numpy()), seen.shared
         own = np.maximum(seen.own_std, np.spacing(value))
-        value -= (1 - pool_random_effects(value, own).weights) * seen.mean(bias)
+        value -= (1 - uncertainty.pool_random_effects(value, own).weights) * seen.mean(bias)
         last = estimate.size - 1 - np.unique(estimate[::-1], return_index=True)[1]
-        random = pool_random_effects(value, own, shared)
+        random = uncertainty.pool_random_effects(value, own, shared)
         variances = shared.variances(random.weights)
-        exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
+        exact = sum(variance for source, variance in variances.items() if source not in model.GEOMETRY)
         return cls(
             random=random,
             fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
-            fixed=pool(value, own, shared),
-            scatter=nested_scatter(value, {"load": pooled["load_N"].to_numpy()[last]}, least_freedom=(1, 1)),
+            fixed=uncertainty.pool(value, own, shared),
+            scatter=uncertainty.nested_scatter(
+                value, {"load": pooled["load_N"].to_numpy()[last]}, least_freedom=(1, 1)
+            ),
             budget=seen.budget(random.weights, random.total_std, float(random.weights**2 @ own**2)),
         )
 
@@ -212,7 +192,7 @@ class _Estimates:
             "contact edge": numbered(scales),
         }
         shared, everything = sources[is_shared].tolist(), np.zeros(len(parts), dtype=np.intp)
-        self.shared = SharedErrors(
+        self.shared = uncertainty.SharedErrors(
             sources=tuple(shared),
             parts=parts[:, is_shared],
             groups=np.stack([groups.get(source, everything) for source in shared], axis=-1),
@@ -229,14 +209,14 @@ class _Estimates:
         total = sum(each for source, each in variance.items() if source not in shared)
         factor = own_variance / total if own_variance is not None and total > 0 else 1.0
         variance = {source: shared.get(source, factor * each) for source, each in variance.items()}
-        variance = {source: each for source, each in variance.items() if each or source not in COMMON}
+        variance = {source: each for source, each in variance.items() if each or source not in model.COMMON}
         variance["scatter"] = max(0.0, std**2 - sum(variance.values()))
         total = sum(variance.values())
         return {source: each / total if total > 0 else 0.0 for source, each in variance.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PooledOnLayer(LayerQuantity):
+class PooledOnLayer(layer.LayerQuantity):
     """A quantity pooled over contacts, all of which are taken to have one value."""
 
     birge_ratio: float  # of the scatter; the uncertainty is widened by it where it exceeds one
@@ -246,17 +226,17 @@ class PooledOnLayer(LayerQuantity):
     def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self | None:
         """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is."""
         places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
-        of_all = [rows.layer_parts[places, each] for each in range(len(POOLED_ON_LAYER))]
+        of_all = [rows.layer_parts[places, each] for each in range(len(layer.POOLED_ON_LAYER))]
         known = np.asarray(np.isfinite(of_all).all(axis=(0, -1)))  # the same contacts for all outputs
         if not known.any():
             return None
-        unit, factor = unit_of(output)
+        unit, factor = layer.unit_of(output)
         pooled, estimate = pooled[known], numbered(estimate[known])
-        parts = factor * of_all[POOLED_ON_LAYER.index(output)][known]
-        own_std = np.sqrt(np.sum(parts[:, ~np.isin(LAYER_PART_SOURCES, _SHARED)] ** 2, axis=-1))
-        seen = _Estimates(pooled, estimate, own_std, parts, LAYER_PART_SOURCES)
+        parts = factor * of_all[layer.POOLED_ON_LAYER.index(output)][known]
+        own_std = np.sqrt(np.sum(parts[:, ~np.isin(layer.LAYER_PART_SOURCES, _SHARED)] ** 2, axis=-1))
+        seen = _Estimates(pooled, estimate, own_std, parts, layer.LAYER_PART_SOURCES)
         value = seen.mean(pooled[f"{output}_{unit}"].to_numpy())
-        found = pool(value, proportional_stds(value, seen.own_std), seen.shared)
+        found = uncertainty.pool(value, uncertainty.proportional_stds(value, seen.own_std), seen.shared)
         return cls(
             value=found.value,
             std=found.total_std,
@@ -275,7 +255,7 @@ class LayerSummary:
     observation: str  # the contact at the highest load that is in the range of the laws, if any is
     load: float
     flag: str  # what takes it out of the range of the laws; empty where nothing does
-    at_highest_load: dict[str, LayerQuantity]  # its quantities on the layer, and those of Hertz theory
+    at_highest_load: dict[str, layer.LayerQuantity]  # its quantities on the layer, and those of Hertz theory
     pooled: dict[str, PooledOnLayer | None]  # `POOLED_ON_LAYER` over all contacts that count
 
     @classmethod
@@ -287,8 +267,8 @@ class LayerSummary:
         )
         if math.isnan(thickness):
             return None
-        inputs = with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
-        found = Layered(inputs, "first_order")
+        inputs = layer.with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
+        found = layer.Layered(inputs, "first_order")
         return cls(
             thickness=thickness,
             thickness_std=std,
@@ -296,9 +276,10 @@ class LayerSummary:
             load=highest.load,
             flag=str(found.flag[0]),
             at_highest_load={
-                name: quantity_of(found.propagated, name) for name in (*HERTZ_OF, *HERTZ_OF.values())
+                name: layer.quantity_of(found.propagated, name)
+                for name in (*layer.HERTZ_OF, *layer.HERTZ_OF.values())
             },
-            pooled={name: PooledOnLayer.of(rows, pooled, estimate, name) for name in POOLED_ON_LAYER},
+            pooled={name: PooledOnLayer.of(rows, pooled, estimate, name) for name in layer.POOLED_ON_LAYER},
         )
 
 
@@ -377,8 +358,8 @@ class Summary:
 
 _POOLED: Final = (
     *("observation", "sequence", "scale", "load_N"),
-    *(f"{name}_mm" for name in POOLED_OUTPUTS),
-    *(f"{name}_{unit_of(name)[0]}" for name in POOLED_ON_LAYER),
+    *(f"{name}_mm" for name in model.POOLED_OUTPUTS),
+    *(f"{name}_{layer.unit_of(name)[0]}" for name in layer.POOLED_ON_LAYER),
     *("effective_thickness_mm", "effective_thickness_mm_std"),
 )
 
@@ -391,21 +372,22 @@ def pool_contacts(rows: Rows) -> list[Summary]:
 
 
 def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
-    table, layer = rows.table, None
+    table, on_layer = rows.table, None
     pooled = table[[*_POOLED]].iloc[places[np.isin(places, rows.pooled)]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")
     estimate = items_of(pooled)
     corrected, compliance = (
-        PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
+        PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None
+        for name in model.POOLED_OUTPUTS
     )
     if len(pooled):  # of the contacts in the range of the layer's laws, if any is
         highest = rows.highest_on_layer.get(key) or rows.highest_load[key]
-        layer = LayerSummary.of(rows, pooled, estimate, highest)
+        on_layer = LayerSummary.of(rows, pooled, estimate, highest)
     return Summary(
         **dict(zip(PLACEMENT, key, strict=True)),
         table=table,
         places=by_load.index.to_numpy(),
         corrected_radius=corrected,
         compliance_radius=compliance,
-        layer=layer,
+        layer=on_layer,
     )

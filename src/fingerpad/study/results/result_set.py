@@ -24,18 +24,8 @@ SUMS_NAME: Final = "SHA256SUMS"
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
     (
-        SUMS_NAME,
-        "by_load.csv",
-        "figures",
-        "overlays",
-        "repeatability.csv",
-        "report",
-        "report.html",
-        "results.csv",
-        "results.json",
-        "results_columns.csv",
-        "second_operator.csv",
-        "summary.json",
+        *(SUMS_NAME, "results.csv", "results.json", "results_columns.csv", "summary.json", "by_load.csv"),
+        *("repeatability.csv", "second_operator.csv", "figures", "overlays", "report", "report.html"),
     )
 )
 _TABLES: Final = frozenset(("results.csv", "results.json", "results_columns.csv", "summary.json"))

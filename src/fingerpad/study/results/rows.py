@@ -1,7 +1,7 @@
 """One row of results per contact: what was seen of it, and what the model says."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cache
 from itertools import islice, repeat
 from operator import length_hint
@@ -10,7 +10,6 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
@@ -65,69 +64,58 @@ class Parts:
         return np.stack([array.array[places] for array in self._arrays[output]], axis=-1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rows:
-    """All rows of a study, with what pooling needs."""
+    """All rows of a study: placement, model and uncertainty of its contacts, with what pooling needs.
 
-    table: pd.DataFrame  # one row per observation and frame, in the manifest's order
-    pooled: Indices  # indices in `table` of the rows that count in pooled radii, ascending
-    parts: Parts  # signed contributions to the uncertainty of their radii, as `Modelled` has them
-    # standard uncertainty of the elongation ln(ℓd/ℓe) of each contact ellipse, with repeatability
-    elongation_std: FloatArray
-    # the same to that of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN for rows without them
-    layer_parts: Parts
-    # by the values of `PLACEMENT`; without those at which nothing counts
-    highest_load: dict[PlacementKey, HighestLoad]
-    # the same among contacts on a layer, in the range of its laws
-    highest_on_layer: dict[PlacementKey, HighestLoad]
+    No more than a batch of measurements is held.
+    """
 
+    def __init__(
+        self,
+        study: Study,
+        fingers: Mapping[str, FingerResult],
+        seen: Iterable[tuple[Contact, Measurement]],
+        repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
+    ) -> None:
+        stream, capacity = iter(seen), length_hint(seen)
+        pooled = GrowingArray(np.empty(0, dtype=np.intp), capacity)
+        elongation_std = GrowingArray(np.empty(0), capacity)
+        # Of the rows that count: signed contributions to the uncertainty of their radii, as `Modelled` has
+        # them, and to that of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN without them.
+        self.parts = Parts(POOLED_OUTPUTS, PART_SOURCES, capacity)
+        self.layer_parts = Parts(POOLED_ON_LAYER, LAYER_PART_SOURCES, capacity)
+        # By the values of `PLACEMENT`, without those at which nothing counts; the latter among contacts on a
+        # layer, in the range of its laws.
+        self.highest_load: dict[PlacementKey, HighestLoad] = {}
+        self.highest_on_layer: dict[PlacementKey, HighestLoad] = {}
 
-def model_contacts(
-    study: Study,
-    fingers: Mapping[str, FingerResult],
-    seen: Iterable[tuple[Contact, Measurement]],
-    repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
-) -> Rows:
-    """Turn measurements into rows: placement, model and uncertainty; no more than a batch is held."""
-    stream, capacity = iter(seen), length_hint(seen)
-    pooled = GrowingArray(np.empty(0, dtype=np.intp), capacity)
-    parts = Parts(POOLED_OUTPUTS, PART_SOURCES, capacity)
-    elongation_std = GrowingArray(np.empty(0), capacity)
-    layer_parts = Parts(POOLED_ON_LAYER, LAYER_PART_SOURCES, capacity)
-    highest_load: dict[PlacementKey, HighestLoad] = {}
-    highest_on_layer: dict[PlacementKey, HighestLoad] = {}
+        def modelled() -> Iterator[dict[str, ColumnArray]]:
+            """Yield batches of rows, and keep what else is needed of them."""
+            start = 0
+            while batch := list(islice(stream, _AT_ONCE)):
+                done = _Batch(study, fingers, batch, repeatability)
+                yield done.columns
+                counts = done.columns["pooled"][done.good]
+                pooled.add(start + done.good[counts])
+                self.parts.add(done.modelled.parts[counts])
+                elongation = done.inputs.places(["elongation", "elongation_deviation"])
+                elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
+                self.layer_parts.add(done.layer_parts[counts])
+                done.weigh(self.highest_load, counts)
+                done.weigh(self.highest_on_layer, counts & done.on_layer)
+                start += len(batch)
 
-    def modelled() -> Iterator[dict[str, ColumnArray]]:
-        """Yield batches of rows, and keep what else is needed of them."""
-        start = 0
-        while batch := list(islice(stream, _AT_ONCE)):
-            done = _Batch(study, fingers, batch, repeatability)
-            yield done.columns
-            counts = done.columns["pooled"][done.good]
-            pooled.add(start + done.good[counts])
-            parts.add(done.modelled.parts[counts])
-            elongation = done.inputs.places(["elongation", "elongation_deviation"])
-            elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
-            layer_parts.add(done.layer_parts[counts])
-            done.weigh(highest_load, counts)
-            done.weigh(highest_on_layer, counts & done.on_layer)
-            start += len(batch)
-
-    return Rows(
-        table=table_of(modelled(), read_only=True, capacity=capacity),
-        pooled=pooled.array,
-        parts=parts,
-        elongation_std=elongation_std.array,
-        layer_parts=layer_parts,
-        highest_load=highest_load,
-        highest_on_layer=highest_on_layer,
-    )
+        # One row per observation and frame, in the manifest's order.
+        self.table = table_of(modelled(), read_only=True, capacity=capacity)
+        # Indices in it of the rows that count in pooled radii, ascending; and standard uncertainty of the
+        # elongation ln(ℓd/ℓe) of each of their ellipses, with repeatability.
+        self.pooled, self.elongation_std = pooled.array, elongation_std.array
 
 
 def model_contact(
     study: Study, finger: FingerResult, contact: Contact, measured: Measurement, names: Iterable[str]
 ) -> Row:
-    """Return some columns of the row of one contact, as `model_contacts` does, without making a table."""
+    """Return some columns of the row of one contact, as `Rows` does, without making a table."""
     columns = _Batch(study, {finger.name: finger}, [(contact, measured)], {}).columns
     known = ((name, columns[name].tolist()[0] if name in columns else None) for name in names)
     return {name: None if value != value else value for name, value in known}  # noqa: PLR0124
@@ -143,7 +131,11 @@ class _Batch:
         seen: Seen,
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> None:
-        reasons = [measured.rejected or measured.reason or _unloaded(measured) for _, measured in seen]
+        reasons = [measured.rejected or measured.reason for _, measured in seen]
+        for row, (_, measured) in enumerate(seen):
+            if reasons[row] is None and measured.load_N <= 0:  # a frame, where a force is late or offset
+                load = f"the load of a contact must be positive, found {measured.load_N:.3g} N"
+                reasons[row] = f"{load}: check force zero and timing"
         has_pad = {name: finger.has_semi_axes for name, finger in fingers.items()}
         sound = np.array(
             [n for n, (contact, _) in enumerate(seen) if has_pad[contact.finger] and reasons[n] is None],
@@ -185,15 +177,6 @@ class _Batch:
             if key not in highest_load or loads[place] >= highest_load[key].load:
                 name = self.columns["observation"][self.good[place]]
                 highest_load[key] = HighestLoad(name, loads[place], self.inputs.at(place))
-
-
-def _unloaded(measured: Measurement) -> str | None:
-    """Return why a frame in contact has no model where a force that is late or offset gives it no load."""
-    if not measured.load_N <= 0:
-        return None
-    return (
-        f"the load of a contact must be positive, found {measured.load_N:.3g} N: check force zero and timing"
-    )
 
 
 def _described(

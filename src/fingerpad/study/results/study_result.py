@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray
 from fingerpad._digest import digest_of_values
 from fingerpad._display import Displayed
@@ -24,43 +25,28 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results import summary_file
 from fingerpad.study.results.pooling import Summary, pool_contacts
 from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, pool_by_load, study_scatter
-from fingerpad.study.results.rows import HighestLoad, model_contacts
-from fingerpad.study.results.summary_file import (
-    AgreementRecord,
-    AtLoadRecord,
-    OperatorAgreementRecord,
-    UncertaintyCheckRecord,
-    ValidityRecord,
-)
+from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.table import groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
-from fingerpad.uncertainty import (
-    Inputs,
-    agreement,
-    pad_model,
-    propagate,
-    run_monte_carlo,
-    sobol_indices,
-    validate_linear_approximation,
-)
 from fingerpad.uncertainty.repeats import ContactRepeatability
 
 _RADIUS: Final = "radius_from_indentation"
 
 
 def _corrected_radius(**inputs: FloatArray) -> dict[str, FloatArray]:
-    return {_RADIUS: pad_model(**inputs)[_RADIUS]}
+    return {_RADIUS: uncertainty.pad_model(**inputs)[_RADIUS]}
 
 
-def check_uncertainty(observation: str, inputs: Inputs) -> UncertaintyCheckRecord:
+def check_uncertainty(observation: str, inputs: uncertainty.Inputs) -> summary_file.UncertaintyCheckRecord:
     """Propagate the inputs of one contact by first order and by Monte Carlo."""
     inputs = _with_independent_groups(inputs)
-    first = propagate(_corrected_radius, inputs)
-    simulated = run_monte_carlo(_corrected_radius, inputs)
+    first = uncertainty.propagate(_corrected_radius, inputs)
+    simulated = uncertainty.run_monte_carlo(_corrected_radius, inputs)
     radius, drawn = first[_RADIUS], simulated[_RADIUS]
-    return UncertaintyCheckRecord(
+    return summary_file.UncertaintyCheckRecord(
         observation=observation,
         value=float(radius.value),
         std=float(radius.std),
@@ -69,13 +55,13 @@ def check_uncertainty(observation: str, inputs: Inputs) -> UncertaintyCheckRecor
         simulated_interval=(float(drawn.lower), float(drawn.upper)),
         draws=simulated.draws,
         converged=simulated.converged[_RADIUS],
-        valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
+        valid=uncertainty.validate_linear_approximation(first, simulated)[_RADIUS].valid,
         shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
-        total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
+        total=uncertainty.sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
     )
 
 
-def _with_independent_groups(inputs: Inputs) -> Inputs:
+def _with_independent_groups(inputs: uncertainty.Inputs) -> uncertainty.Inputs:
     """Return inputs with semi-axes and scale as one group where the same scale is in both."""
     axes, scale = (inputs.groups[source] for source in ("semi-axes", "image scale"))
     if not inputs.covariance[inputs.places(axes), inputs.places(scale)].any():
@@ -98,12 +84,12 @@ class StudyResult(Displayed):
     summaries: list[Summary]  # one per finger and placement
     # of the counted contact at the highest load in each summary; None where none counts or it cannot be
     # checked
-    checks: list[UncertaintyCheckRecord | None]
+    checks: list[summary_file.UncertaintyCheckRecord | None]
     # what repeats tell of one impression: of a real contact (False), of a synthetic one (True)
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[StudyScatter]  # how each quantity scatters between repeats, sessions, fingers and persons
-    by_load: list[AtLoadRecord]  # area and modulus of each finger at each load
-    validities: list[ValidityRecord]  # whether the model holds in each summary
+    by_load: list[summary_file.AtLoadRecord]  # area and modulus of each finger at each load
+    validities: list[summary_file.ValidityRecord]  # whether the model holds in each summary
     curves: list[CurveResult]
     provenance: dict[str, Any]  # versions, input hashes, formulas
     notes: tuple[str, ...] = ()  # what is odd about people's corrections
@@ -115,7 +101,7 @@ class StudyResult(Displayed):
         return [one for one in self.operator_pairs if one.synthetic == synthetic and one.iou is not None]
 
     @property
-    def operators(self) -> list[OperatorAgreementRecord]:
+    def operators(self) -> list[summary_file.OperatorAgreementRecord]:
         """How two persons agree on the images that both outlined, real ones and synthetic ones."""
         both = (self.compared_pairs(synthetic=False), self.compared_pairs(synthetic=True))
         return [_agreement(pairs) for pairs in both if pairs]
@@ -209,21 +195,21 @@ class StudyResult(Displayed):
         )
 
 
-def _agreement(pairs: Sequence[OperatorPair]) -> OperatorAgreementRecord:
+def _agreement(pairs: Sequence[OperatorPair]) -> summary_file.OperatorAgreementRecord:
     ious = [one.iou or 0.0 for one in pairs]
     quantities = {
-        name: agreement([one.first[name] for one in pairs], [one.second[name] for one in pairs])
+        name: uncertainty.agreement([one.first[name] for one in pairs], [one.second[name] for one in pairs])
         for name in QUANTITIES
         if all(one.first[name] > 0 and one.second[name] > 0 for one in pairs)
     }
-    return OperatorAgreementRecord(
+    return summary_file.OperatorAgreementRecord(
         synthetic=pairs[0].synthetic,
         first_operators=sorted({one.first_operator for one in pairs}),
         second_operators=sorted({one.second_operator for one in pairs}),
         count=len(pairs),
         iou_mean=float(np.mean(ious)),
         iou_least=min(ious),
-        **{name: AgreementRecord.of(one) for name, one in quantities.items()},
+        **{name: summary_file.AgreementRecord.of(one) for name, one in quantities.items()},
     )
 
 
@@ -239,7 +225,7 @@ def result_of(
     """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
     study, folder = measured.items.context.study, measured.items.context.folder
     repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
-    rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
+    rows = Rows(study, measured.fingers, measured.contacts, repeatability)
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
     validities = validity_of(
@@ -280,7 +266,7 @@ def _checks(
     store: Store,
     folder: Path,
     on_check: Callable[[str], None],
-) -> list[UncertaintyCheckRecord | None]:
+) -> list[summary_file.UncertaintyCheckRecord | None]:
     """Look closely at the uncertainty of some contacts."""
     tasks = [
         Task(
@@ -288,7 +274,10 @@ def _checks(
             item=one.observation,
             file=one.observation,
             key=digest_of_values(
-                UncertaintyCheckRecord.__name__, one.observation, one.inputs, versions_of("uncertainty")
+                summary_file.UncertaintyCheckRecord.__name__,
+                one.observation,
+                one.inputs,
+                versions_of("uncertainty"),
             ),
             work=partial(_checked, one),
             inputs=(),
@@ -299,7 +288,7 @@ def _checks(
     records = records_of(tasks, executor, store, folder, lambda task: on_check(task.item))
     checks = (record.get("check") for record in records.values())
     found = (None if one is None else next(checks) for one in highest_load)
-    return [None if one is None else UncertaintyCheckRecord.model_validate(one) for one in found]
+    return [None if one is None else summary_file.UncertaintyCheckRecord.model_validate(one) for one in found]
 
 
 def _checked(highest_load: HighestLoad, _folder: Path, _out: Path) -> Record:

@@ -266,18 +266,22 @@ class CheckRecord(Record):
     check: str = Field(description="Its name.")
     compared: str = Field(description="What is compared, in words.")
     headlines: tuple[str, ...] = Field(description="Results that it concerns.")
-    verdict: str = Field(description="`holds`, `strained`, `fails` or `not tested`.")
-    unit: Text = Field(description="Unit of value, reference and difference; null for pure numbers.")
-    value: Number = Field(description="What the model gives.")
-    value_std: Number
-    reference: Number = Field(description="What it is compared with.")
-    reference_std: Number
-    difference: Number = Field(description="Value less reference.")
-    relative_difference: Number = Field(description="Size of the difference, relative, signed.")
-    difference_of: Text = Field(description="Of which result that is; null for what is compared.")
-    deviations: Number = Field(description="The difference over its standard uncertainty.")
-    p_value: Number = Field(description="Chance of a larger difference if the model held.")
-    note: Text = Field(description="What was assumed, or why there is no verdict.")
+    verdict: str = Field(default="not tested", description="`holds`, `strained`, `fails` or `not tested`.")
+    unit: Text = Field(
+        default="", description="Unit of value, reference and difference; null for pure numbers."
+    )
+    value: Number = Field(default=math.nan, description="What the model gives.")
+    value_std: Number = math.nan
+    reference: Number = Field(default=math.nan, description="What it is compared with.")
+    reference_std: Number = math.nan
+    difference: Number = Field(default=math.nan, description="Value less reference.")
+    relative_difference: Number = Field(
+        default=math.nan, description="Size of the difference, relative, signed."
+    )
+    difference_of: Text = Field(default="", description="Of which result that is; null for what is compared.")
+    deviations: Number = Field(default=math.nan, description="The difference over its standard uncertainty.")
+    p_value: Number = Field(default=math.nan, description="Chance of a larger difference if the model held.")
+    note: Text = Field(default="", description="What was assumed, or why there is no verdict.")
 
 
 class LayerValidityRecord(Record):

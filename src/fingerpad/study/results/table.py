@@ -187,10 +187,7 @@ def batches(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 def first_record(table: pd.DataFrame) -> Row | None:
     """Return the first row as a dict, None of an empty table."""
-    if table.empty:
-        return None
-    values = (value.item() if isinstance(value, np.generic) else value for value in table.iloc[0].array)
-    return {name: None if pd.isna(value) else value for name, value in zip(table, values, strict=True)}
+    return next(records(table.iloc[:1]), None)
 
 
 def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Indices]:

@@ -23,8 +23,7 @@ from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import ManualFaceEllipse, PhotographCorrection
 from fingerpad.study.corrections.log import is_rejected
-from fingerpad.study.manifest.messages import validated
-from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey
+from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey, validated
 from fingerpad.study.measuring.fingers import (
     FingerResult,
     finger_from_faces,

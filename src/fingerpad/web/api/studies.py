@@ -2,7 +2,7 @@
 
 import getpass
 import os
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from http import HTTPStatus
@@ -49,7 +49,7 @@ class EntryRules(Answer):
     ambiguous: str = AMBIGUOUS
     faces: tuple[Face, ...] = FACES
     uses: Mapping[FileKind, Mapping[Use, str]] = USES
-    takes: Mapping[Use, tuple[str, ...]] = TAKES
+    takes: Mapping[Use, Sequence[str]] = TAKES
     scale_ways: Mapping[str, ScaleWay] = SCALE_WAYS
     coins: tuple[KnownSize, ...] = COINS
     card: tuple[KnownSize, ...] = CARD

@@ -410,7 +410,10 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         why = "no contact under a load of the curves" if case.pad.has_semi_axes else case.nothing
         yield from (CHECKS[ROUTES[name]].untested(why) for name in (MODULUS, INDENTATION))
         return
-    repeats = _one_of_each(inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()])
+    # Single contacts, and of each sequence the frame at the highest load.
+    repeats = inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()]
+    repeats = repeats.sort_values("load_N", ascending=False, kind="stable")
+    repeats = repeats.iloc[np.unique(items_of(repeats), return_index=True)[1]]
     common = math.exp(np.log(repeats["load_N"].to_numpy()).mean())
     factor = 1 - case.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
     # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
@@ -438,12 +441,6 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
             continue
         other = math.exp(log_reference)
         yield CHECKS[ROUTES[name]].of_ratio(value, (other, other * log_std), note=f"at {common:.3g} N")
-
-
-def _one_of_each(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return single contacts, and of each sequence the frame at the highest load."""
-    rows = rows.sort_values("load_N", ascending=False, kind="stable")
-    return rows.iloc[np.unique(items_of(rows), return_index=True)[1]]
 
 
 def _mean_of_repeats(rows: pd.DataFrame, column: str, own: FloatArray) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from pydantic import Field
 from scipy import special
 
 from fingerpad._csv import package_table
-from fingerpad.study.results.summary_file import CheckRecord, Number, Text
+from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 HOLDS: Final = "holds"
@@ -26,20 +26,8 @@ STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
 class ValidityCheck(CheckRecord):
     """One check of a model: what it compares, and what comes of it."""
 
-    verdict: str = NOT_TESTED
-    unit: Text = ""
-    value: Number = math.nan
-    value_std: Number = math.nan
-    reference: Number = math.nan
-    reference_std: Number = math.nan
-    difference: Number = math.nan
-    relative_difference: Number = math.nan
-    difference_of: Text = ""
     # Standard uncertainty of the relative difference, as of a logarithm; NaN for a known error.
     relative_std: float = Field(default=math.nan, exclude=True)
-    deviations: Number = math.nan
-    p_value: Number = math.nan
-    note: Text = ""
 
     def with_fields(self, **changed: Any) -> Self:
         """Return the check with some fields changed; all of them stand in the file, null where unknown."""
