@@ -257,7 +257,7 @@ def test_the_table_holds_what_the_file_says(folder):
     rows = rows_of(folder / "results.csv")
     assert isinstance(results.table, pd.DataFrame)
     assert list(results.table) == list(rows[0])
-    assert (len(results.table), results.summary.title) == (2, "Two presses, é")
+    assert (len(results.table), results.title) == (2, "Two presses, é")
     assert results.table["observation"].tolist() == ["heavy", "light"]
     np.testing.assert_array_equal(results.table["load_N"], [float(row["load_N"]) for row in rows])
     assert results.table.attrs["units"]["youngs_modulus_kpa"] == "kPa"

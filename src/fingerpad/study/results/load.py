@@ -57,6 +57,11 @@ class Results:
     table: pd.DataFrame
     summary: SummaryFile
 
+    @property
+    def title(self) -> str:
+        """The study's title."""
+        return self.summary.title
+
     def __repr__(self) -> str:
         """Return how large it is, and what was found: the sentences with which the report begins."""
         found = self._sentences()
@@ -66,13 +71,11 @@ class Results:
     def _repr_html_(self) -> str:
         """Return the same for a notebook, with all sentences."""
         lines = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in self._sentences())
-        return (
-            f"<strong>{html.escape(self.summary.title)}</strong><ul>{lines}</ul>{html.escape(self._size())}"
-        )
+        return f"<strong>{html.escape(self.title)}</strong><ul>{lines}</ul>{html.escape(self._size())}"
 
     def _size(self) -> str:
         rows, columns = self.table.shape
-        return f"Results of {self.summary.title!r}: {rows} rows, {columns} columns"
+        return f"Results of {self.title!r}: {rows} rows, {columns} columns"
 
     def _sentences(self) -> list[str]:
         return [one.sentence for one in answers(self.summary.summaries, self.summary.by_load)]
