@@ -8,10 +8,6 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any, Concatenate, Final, Literal, ParamSpec, TypeVar, assert_never
 
 import numpy as np
-from matplotlib import text as mpl_text
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullFormatter, NullLocator
 from PIL import Image
 
@@ -101,8 +97,10 @@ def draw_figure(figure: Figure) -> "Drawn":
         axes.set_ylim(*panel.limits("y"))
         if panel.place is not None:
             axes.set_position(panel.place)
+    from matplotlib.text import Text as DrawnText
+
     factor = figure.font_pt / FONT_PT
-    for words in drawn.findobj(mpl_text.Text):
+    for words in drawn.findobj(DrawnText):
         words.set_fontsize(factor * float(words.get_fontsize()))
     for axes in every:
         axes.tick_params(labelsize=factor * TICK_PT)  # of ticks that are not yet there
@@ -164,6 +162,9 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
         case Line() if mark.face:
+            from matplotlib.patches import PathPatch
+            from matplotlib.path import Path
+
             known = np.isfinite(mark.x + mark.y)
             goes_on = known & np.append(False, known[:-1])
             codes = np.where(goes_on, Path.LINETO, Path.MOVETO)[known]
@@ -198,6 +199,8 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             axes.add_collection(shapes, autolim=False)
             shapes.set_clip_on(False)
         case Text():
+            from matplotlib.patheffects import withStroke
+
             places = "data", "axes fraction"
             box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
             tag: dict[str, Any] = {"bbox": box, "style": "italic", "weight": "bold"} if mark.tag else {}

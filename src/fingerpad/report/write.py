@@ -4,11 +4,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from fingerpad._digest import digest_of_values
 from fingerpad._files import file_stem
-from fingerpad.report.page import write_page
 from fingerpad.study.engine.task import Record, Task, code_digest
 from fingerpad.study.results.study_result import StudyResult
 
@@ -36,7 +35,7 @@ def write_report(
     # One by one: what was found of all fingers is as large as what was found of the study.
     tasks = (_task(result.of_finger(name), page) for name, page in pages.items())
     (draw or partial(_draw_here, folder))(tasks, lambda task: on_drawn(f"page of {task.item}"))
-    write_page(result, folder, REPORT_NAME, overlays=folder, pages=pages, on_drawn=on_drawn)
+    _write_page(result, folder, REPORT_NAME, overlays=folder, pages=pages, on_drawn=on_drawn)
     return folder / REPORT_NAME
 
 
@@ -64,5 +63,12 @@ def _task(part: StudyResult, file: str) -> Task:
 
 
 def _draw(part: StudyResult, file: str, results: Path, out: Path) -> Record:
-    write_page(part, out, file, overlays=results, home=f"../{REPORT_NAME}")
+    _write_page(part, out, file, overlays=results, home=f"../{REPORT_NAME}")
     return {}
+
+
+def _write_page(result: StudyResult, out: Path, file: str, **options: Any) -> None:
+    # What draws takes 15 MB, which a large study has no room for until its tables are written.
+    from fingerpad.report.page import write_page
+
+    write_page(result, out, file, **options)
