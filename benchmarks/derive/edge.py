@@ -53,7 +53,7 @@ def look(name: str, image: TrueImage) -> Seen | None:
     try:
         region = find_region(view, ridges, None)
         outline = edges._outline(view, ridges, region.patch)
-        shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
+        shown, _ = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
     except ImageError:
         return None
     if not view.resolved:

@@ -13,6 +13,7 @@ from fingerpad.image import Scale
 from fingerpad.image.contact_image import smooth
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.region import Region
+from fingerpad.image.contact_image.result import evaluate
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import View
 
@@ -53,7 +54,7 @@ def compare(model: Any, steps: Sequence[Seen]) -> Compared:
         for one in steps:
             edge = smooth._edge(one.step, one.view)
             region = Region(patch=np.zeros((1, 1), dtype=bool), several=False)
-            result = smooth.evaluate_smooth(one.view, region, edge, edited=False)
+            result = evaluate(one.view, None, region, edge, edited=False)
             rows.append(((result.gross_area - one.area) / one.area, result.gross_area_std / one.area))
     errors, stds = np.array(rows).T
     return Compared(errors, stds)

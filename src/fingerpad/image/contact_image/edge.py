@@ -46,11 +46,36 @@ MANUAL: Final = math.sqrt(1 / 12 / 2)
 class StepErrors(NamedTuple):
     """How uncertain the edge of a contact without ridges is, px of the copy."""
 
-    own: float  # standard deviation of the edge's place in one profile
-    stretch: float  # length of outline along which neighbouring profiles share that error
-    hidden: float  # standard uncertainty of the mean place by what of the outline is not seen
-    shared: float  # standard uncertainty of the edge's place all round, which images of one device share
-    doubts: frozenset[str]  # flags of this edge
+    own: float = 0.0  # standard deviation of the edge's place in one profile
+    stretch: float = 0.0  # length of outline along which neighbouring profiles share that error
+    hidden: float = 0.0  # standard uncertainty of the mean place by what of the outline is not seen
+    shared: float = (
+        0.0  # standard uncertainty of the edge's place all round, which images of one device share
+    )
+    doubts: frozenset[str] = frozenset()  # flags of this edge
+
+
+class FadeSigns(NamedTuple):
+    """What shows how a contact with ridges ends."""
+
+    thinning: float = 0.0  # how much less ridge the last period inside has than the one before, as a part
+    outside: float = 0.0  # how much ridges vary along the outline just outside it, in parts of that inside
+    beyond: float = 0.0  # the same further out, in parts of the interior's contrast
+    # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
+    rim: float = 0.0
+    unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
+    # How much too little of the outline crosses ridges, and so tells how the contact ends, 0 to 1
+    untold: float = 0.0
+    bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
+
+    @property
+    def mostly_bare(self) -> bool:
+        """Whether a halo, a window's border or fainter ridges may have been taken for the contact's edge."""
+        return self.bare > _MOSTLY
+
+
+_NO_ERRORS: Final = StepErrors()
+_NO_SIGNS: Final = FadeSigns()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,20 +97,8 @@ class Edge:
     # all points, by how the contrast inside differs from that along the rest of the outline
     differs: FloatArray
     fade: float = 0.0  # how far further out the edge of a contact that fades lies; below 0 where it is sharp
-    # How much ridges beyond the outline vary along it, in parts of the interior's contrast
-    beyond: float = 0.0
-    # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
-    rim: float = 0.0
-    unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
-    # How much too little of the outline crosses ridges, and so tells how the contact ends, 0 to 1
-    untold: float = 0.0
-    bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
-    step_errors: StepErrors | None = None  # of a contact without ridges
-
-    @property
-    def mostly_bare(self) -> bool:
-        """Whether a halo, a window's border or fainter ridges may have been taken for the contact's edge."""
-        return self.bare > _MOSTLY
+    signs: FadeSigns = _NO_SIGNS
+    step_errors: StepErrors = _NO_ERRORS  # of a contact without ridges
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -120,7 +133,9 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     edge = _outline(view, ridges, region.patch)
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if view.resolved and ridges.threshold is None:
-        edge = _with_fade(edge, fade_signs(edge, view.contact, ridges.amount, region.patch))
+        signs, lack = fade_signs(edge, view.contact, ridges.amount, region.patch)
+        differs = EDGE.lack_std * lack * edge.period
+        edge = replace(edge, signs=signs, differs=differs, fade=_fade(signs) * edge.period)
     if edge.fade > _MOST_FADE * edge.period:
         raise ImageError(_NO_EDGE)
     rows, columns = region.patch.shape
@@ -152,21 +167,13 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     return replace(edge, along=along, softness=softness)
 
 
-class FadeSigns(NamedTuple):
-    """What shows how a contact ends."""
+def fade_signs(
+    edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray
+) -> tuple[FadeSigns, FloatArray]:
+    """Return what shows how a contact ends at an outline of its closed ridges.
 
-    thinning: float  # how much less ridge the last period inside has than the one before, as a part of that
-    outside: float  # how much ridges vary along the outline just outside it, in parts of that inside
-    beyond: float  # the same further out, in parts of the interior's contrast
-    rim: float  # as in `Edge`
-    unevenness: float  # as in `Edge`
-    untold: float  # as in `Edge`
-    bare: float  # as in `Edge`
-    differs: FloatArray  # (n,); how much less the contrast inside is than elsewhere, of the interior's
-
-
-def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> FadeSigns:
-    """Return what shows how a contact ends at an outline of its closed ridges."""
+    And how much less the contrast inside each point is than elsewhere, in parts of the interior's.
+    """
     # A quarter of the pixels shows the interior.
     depth = 2 * distance_to(~patch[::2, ::2])
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
@@ -195,7 +202,7 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
     ridged = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
-    return FadeSigns(
+    signs = FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
         outside=float(seen[1] / np.maximum(seen[0], EDGE.least)) * (1 - untold),
         beyond=float(seen[2]),
@@ -203,12 +210,12 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
         untold=untold,
         bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
-        differs=np.asarray((rim.mean() - rim) / contrast, dtype=np.float64),
     )
+    return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
 
 
-def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
-    """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
+def _fade(signs: FadeSigns) -> float:
+    """Return how far the edge of a fading contact lies beyond its outline, periods.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast: less
     ridge in the last period than in the one before, and what still varies along the outline outside, show how
@@ -216,16 +223,7 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
     """
     fade = EDGE.sharp + EDGE.by_thinning * signs.thinning
     fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * max(signs.beyond - EDGE.hardly, 0.0)
-    return replace(
-        edge,
-        differs=EDGE.lack_std * signs.differs * edge.period,
-        fade=fade * edge.period,
-        beyond=signs.beyond,
-        rim=signs.rim,
-        unevenness=signs.unevenness,
-        untold=signs.untold,
-        bare=signs.bare,
-    )
+    return fade
 
 
 def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any]]) -> npt.NDArray[Any]:
@@ -314,10 +312,10 @@ def edge_offset_std(edge: Edge) -> float:
     """
     terms = (
         EDGE.shared_std * edge.period,
-        EDGE.beyond_std * edge.beyond * edge.period,
-        EDGE.rim_std * edge.rim * edge.period,
-        EDGE.unevenness_std * edge.unevenness * edge.period,
-        EDGE.untold_std * edge.untold * edge.period,
+        EDGE.beyond_std * edge.signs.beyond * edge.period,
+        EDGE.rim_std * edge.signs.rim * edge.period,
+        EDGE.unevenness_std * edge.signs.unevenness * edge.period,
+        EDGE.untold_std * edge.signs.untold * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )
     return math.hypot(*terms)
@@ -335,14 +333,33 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     soft = EDGE.softness_std * edge.softness
     own = edge.period * np.sqrt(along * EDGE.in_valley_std**2 + soft**2)
     own = np.where(edge.manual, MANUAL * edge.period, own)
-    # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
-    response = weights * (edge.steps * own)[:, None]
-    width = min(max(1, round(EDGE.stretch * edge.period)), len(response))
-    spread = running_mean(response, width)
-    varying = weights * (edge.steps * ~edge.manual * EDGE.varies * edge_offset_std(edge))[:, None]
-    long = max(1, round(EDGE.alike * len(varying)))
-    varied = running_mean(varying, long)
-    drawn = (weights * (edge.steps * edge.manual * MANUAL * edge.period)[:, None]).sum(axis=0)
+    varies = edge.steps * ~edge.manual * EDGE.varies * edge_offset_std(edge)
+    noise = _spread_noise(weights, edge.steps * own, EDGE.stretch * edge.period)
+    noise += _spread_noise(weights, varies, EDGE.alike * len(weights))
     uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)
-    independent = spread.T @ spread * width + varied.T @ varied * long
-    return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))
+    return noise + np.outer(uneven, uneven) + _drawn_noise(edge, weights)
+
+
+def step_noise(edge: Edge, weights: FloatArray) -> FloatArray:
+    """Return `outline_noise` of a contact without ridges, whose profiles show how their edge scatters."""
+    errors = edge.step_errors
+    own = np.where(edge.manual, MANUAL * edge.period, errors.own)
+    noise = _spread_noise(weights, edge.steps * own, errors.stretch / max(float(edge.steps.mean()), 1e-9))
+    noise += _spread_noise(weights, edge.steps * errors.hidden, len(weights) // 2)
+    return noise + _drawn_noise(edge, weights)
+
+
+def _spread_noise(weights: FloatArray, areas: FloatArray, shared_by: float) -> FloatArray:
+    """Return the covariance from errors of the area at each point that so many neighbours share.
+
+    A running mean spreads independent errors over these.
+    """
+    count = min(max(1, round(shared_by)), len(weights))
+    spread = running_mean(weights * areas[:, None], count)
+    return np.asarray(spread.T @ spread * count)
+
+
+def _drawn_noise(edge: Edge, weights: FloatArray) -> FloatArray:
+    """Return the covariance from the error that all that was drawn shares."""
+    drawn = (weights * (edge.steps * edge.manual * MANUAL * edge.period)[:, None]).sum(axis=0)
+    return np.outer(drawn, drawn)

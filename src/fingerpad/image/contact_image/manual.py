@@ -58,8 +58,8 @@ RegionEdit: TypeAlias = BrushStroke | RegionPolygon
 def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
     """Return the region and the edge of an ellipse placed manually."""
     major = ellipse.semi_axes[0]
-    _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.shape)
-    _require_near("ellipse: its semi-axes", major, view.shape)
+    _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.part.shape)
+    _require_near("ellipse: its semi-axes", major, view.part.shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
     patch = _filled(points, view.contact.shape) > 0
@@ -143,14 +143,14 @@ def _check_edit(edit: RegionEdit, view: View) -> tuple[FloatArray, float | None]
     points = as_float_array(edit.points)
     radius = edit.radius if isinstance(edit, BrushStroke) else None
     what = "a polygon" if radius is None else "a stroke"
-    if radius is not None and radius > max(view.shape):
+    if radius is not None and radius > max(view.part.shape):
         raise ImageError(
-            f"a stroke's radius must be no more than the picture's {max(view.shape)} px, found {radius}"
+            f"a stroke's radius must be no more than the picture's {max(view.part.shape)} px, found {radius}"
         )
     # A polygon may lie around the whole picture.
     around = 0.0 if radius is not None else float(np.ptp(points, axis=0).max())
-    _require_inside(what, points, around + (radius or 0.0), view.shape)
-    _require_near(what, float(np.abs(points).max()), view.shape)
+    _require_inside(what, points, around + (radius or 0.0), view.part.shape)
+    _require_near(what, float(np.abs(points).max()), view.part.shape)
     return view.to_copy(points[:, ::-1]), radius and radius / view.step
 
 

@@ -31,7 +31,7 @@ from fingerpad.image.contact_image.manual import RegionEdit, region_after_stroke
 from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.result import LOW_CONTRAST, ContactImageResult, evaluate
 from fingerpad.image.contact_image.ridges import CLEAR_RISE, Ridges, find_ridges, smoothed
-from fingerpad.image.contact_image.smooth import evaluate_smooth, find_smooth
+from fingerpad.image.contact_image.smooth import find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.read import ImageLike, colour_levels, grey_levels
@@ -123,7 +123,7 @@ class PreparedContactImage(Displayed):
     @property
     def is_clear(self) -> bool:
         """Whether a contact with ridges up to its edge was found automatically."""
-        return self._found is not None and self._view.resolved and not self._found[1].mostly_bare
+        return self._found is not None and self._view.resolved and not self._found[1].signs.mostly_bare
 
     def is_within(self, other: "PreparedContactImage") -> bool:
         """Return whether the contact found is a smaller one in that of another, or there is no other."""
@@ -164,8 +164,6 @@ class PreparedContactImage(Displayed):
         if found is None:
             raise ImageError(self.reason)
         edited = ellipse is not None or bool(strokes)
-        if self._ridges is None:
-            return evaluate_smooth(self._view, *found, edited=edited)
         result = evaluate(self._view, self._ridges, *found, edited=edited)
         if not self._nearby:
             return result

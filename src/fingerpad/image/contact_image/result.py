@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Set
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
@@ -23,6 +22,7 @@ from fingerpad.image.contact_image.edge import (
     edge_offset_std,
     outline_noise,
     running_mean,
+    step_noise,
 )
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
@@ -237,86 +237,50 @@ class ContactImageResult(Recorded):
         return settings if self.surface == "ridged" else {**settings, "surface": self.surface}
 
 
-def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: bool) -> ContactImageResult:
-    """Measure a contact inside its edge."""
-    scale = view.scale
+def evaluate(
+    view: View, ridges: Ridges | None, region: Region, edge: Edge, *, edited: bool
+) -> ContactImageResult:
+    """Measure a contact inside its edge; one without ridges has none."""
+    mm_per_px = view.scale.mm_per_px
     outline = view.to_picture(edge.points)
     moments = polygon_moments(outline)
-    fine = ridge_map(view, edge.points, ridges.threshold)
-    smeared = np.ones_like(region.patch)
-    if edge.resolved:
-        smeared = _blurred_ridges(ridges.amount, region.patch, view.period)
-    # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
-    ridge_area, unknown = fine.area(smeared, view)
-    noise, edge_effect = _outline_uncertainty(view, edge, moments, outline, ridge_area)
-    known = ridge_area - unknown / 2
-    noise[3, 3] += unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
-    period = view.ridge_period * scale.mm_per_px
-    merged = ridge_area > _MANY_RIDGES * moments.area
+    overlap = moments.overlap(outline)
     doubts = {
-        "low_contrast": view.contrast < LOW_CONTRAST * view.noise,
-        "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
-        "not_a_contact_image": not shows_ridges(view.contact, edge.points, scale.mm_per_px, view.step),
-        "ridges_merge": merged,
-        "edge_without_ridges": edge.mostly_bare,
-        # Dark places tell of print only between ridges that are seen apart.
-        "printed_marks": fine.has_print and view.resolved and not merged,
-        "edited_manually": edited,
-    }
-    return contact_result(
-        view,
-        region,
-        edge,
-        moments,
-        noise=noise,
-        edge_effect=edge_effect,
-        threshold=ridges.median_level(region.patch),
-        doubts={flag for flag, seen in doubts.items() if seen},
-        ridge_area=ridge_area,
-        ridge_border=fine.border() * scale.mm_per_px if view.resolved else math.nan,
-        ridges=fine,
-    )
-
-
-def contact_result(
-    view: View,
-    region: Region,
-    edge: Edge,
-    moments: AreaMoments,
-    *,
-    noise: FloatArray,
-    edge_effect: FloatArray,
-    threshold: float,
-    doubts: Set[str],
-    ridge_area: float = math.nan,
-    ridge_border: float = math.nan,
-    ridges: RidgeMap | None = None,
-) -> ContactImageResult:
-    """Return what was measured in px of the picture, or mm of the ridges' borders, as a result in mm.
-
-    Here are the doubts that contacts with ridges and without share.
-    """
-    mm_per_px = view.scale.mm_per_px
-    units = mm_per_px**_POWERS
-    values = np.array([*moments.semi_axes, moments.area, ridge_area]) * units
-    semi_major, semi_minor, gross_area, ridge_area = values.tolist()
-    column, row = moments.centroid
-    overlap = moments.overlap(view.to_picture(edge.points))
-    shared = {
         # Beyond the edge seen, fading is a guess.
         "touches_border": view.touches_border(edge.moved(-edge.fade), edge.steps),
         "cut_by_mask": view.cut_by_mask(edge.points, edge.steps),
         "several_regions": region.several,
         "poor_ellipse": overlap < _POOR_OVERLAP,
+        "edited_manually": edited,
+        **dict.fromkeys(edge.step_errors.doubts, True),
     }
+    fine, ridge_area, area_variance, border, threshold = None, math.nan, math.nan, math.nan, view.contrast / 2
+    if ridges is not None:
+        fine = ridge_map(view, edge.points, ridges.threshold)
+        smeared = np.ones_like(region.patch)
+        if edge.resolved:
+            smeared = _blurred_ridges(ridges.amount, region.patch, view.period)
+        # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
+        ridge_area, unknown = fine.area(smeared, view)
+        known = ridge_area - unknown / 2
+        area_variance = unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
+        border = fine.border() * mm_per_px if view.resolved else math.nan
+        threshold = ridges.median_level(region.patch)
+        doubts |= _doubts_of_ridges(view, edge, fine, merged=ridge_area > _MANY_RIDGES * moments.area)
+    noise, edge_effect = _outline_uncertainty(view, edge, moments, outline, ridge_area)
+    noise[3, 3] += area_variance
+    units = mm_per_px**_POWERS
+    values = np.array([*moments.semi_axes, moments.area, ridge_area]) * units
+    semi_major, semi_minor, gross_area, ridge_area = values.tolist()
+    column, row = moments.centroid
     return ContactImageResult(
         ellipse=Ellipse(semi_major, semi_minor),
         orientation=moments.orientation,
         centroid=(float(row), float(column)),
-        outline=view.to_picture(edge.points)[:, ::-1],
+        outline=outline[:, ::-1],
         gross_area=gross_area,
         ridge_area=ridge_area,
-        ridge_border=ridge_border,
+        ridge_border=border,
         ridge_period=view.ridge_period * mm_per_px,
         overlap=overlap,
         noise_covariance=noise * np.outer(units, units),
@@ -326,11 +290,26 @@ def contact_result(
         threshold=threshold,
         contrast=view.contrast,
         dark_on_light=view.dark_on_light,
-        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts or shared.get(flag, False)),
+        flags=tuple(flag for flag in FLAGS["contact"] if doubts.get(flag, False)),
         surface="smooth" if ridges is None else "ridged",
-        _shape=view.shape,
-        _ridges=ridges,
+        _shape=view.part.shape,
+        _ridges=fine,
     )
+
+
+def _doubts_of_ridges(view: View, edge: Edge, ridges: RidgeMap, *, merged: bool) -> dict[str, bool]:
+    """Return which of the flags that concern ridges a contact has."""
+    mm_per_px = view.scale.mm_per_px
+    low, high = PLAUSIBLE_RIDGE_PERIOD_MM
+    return {
+        "low_contrast": view.contrast < LOW_CONTRAST * view.noise,
+        "scale_doubtful": not low <= view.ridge_period * mm_per_px <= high,
+        "not_a_contact_image": not shows_ridges(view.contact, edge.points, mm_per_px, view.step),
+        "ridges_merge": merged,
+        "edge_without_ridges": edge.signs.mostly_bare,
+        # Dark places tell of print only between ridges that are seen apart.
+        "printed_marks": ridges.has_print and view.resolved and not merged,
+    }
 
 
 def _outline_uncertainty(
@@ -338,17 +317,22 @@ def _outline_uncertainty(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the covariance by errors of this image's outline, and the change by a shared one of the edge.
 
-    Of (semi_major, semi_minor, gross_area, ridge_area), px of the picture.
+    Of (semi_major, semi_minor, gross_area, ridge_area), px of the picture; a smooth contact's ridge area, and
+    what concerns it, is NaN.
     """
     weights = axis_weights(moments, outline) * view.step**2
     # A wider outline takes in more ridges, thinner than those of the interior.
     response = np.vstack([np.eye(3), [0, 0, RIDGE_AREA.at_rim * ridge_area / moments.area]])
-    noise = response @ outline_noise(edge, weights) @ response.T
+    if math.isnan(ridge_area):
+        noise, offset = step_noise(edge, weights), edge.step_errors.shared * float(1 - edge.manual.mean())
+    else:
+        noise, offset = outline_noise(edge, weights), edge_offset_std(edge)
+        outline = running_mean(outline, round(edge.period * view.step))
+    noise = response @ noise @ response.T
     # An outline that is no ellipse has other semi-axes by other definitions.
-    extents = np.ptp(running_mean(outline, round(edge.period * view.step)) @ moments.axes.T, axis=0)
-    other = extents / 2 - moments.semi_axes
+    other = np.ptp(outline @ moments.axes.T, axis=0) / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
-    offset = edge_offset_std(edge) * view.step
+    offset *= view.step
     return noise, response @ [offset, offset, offset * edge.steps.sum() * view.step]
 
 
@@ -364,7 +348,7 @@ def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: floa
         RIDGE_AREA.least_std,
         ridges.softness * level_std,
         RIDGE_AREA.by_noise * edge.noise,
-        RIDGE_AREA.by_rim * edge.rim,
+        RIDGE_AREA.by_rim * edge.signs.rim,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
         RIDGE_AREA.by_moisture * max(0.0, known / gross_area - RIDGE_AREA.dry_share),
     )

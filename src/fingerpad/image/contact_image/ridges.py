@@ -202,14 +202,14 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     period = view.period * view.step
     step = max(1, int(period // _MOST_PER_PERIOD))
     every = max(1, round(period / step / _PLACES_PER_PERIOD))
-    outline = view.to_picture(edge) - view.corner[::-1]
+    outline = view.to_picture(edge) - view.part.corner[::-1]
     low = np.maximum(np.floor(outline.min(axis=0) - period), 0).astype(int)
-    high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.picture.shape[::-1]).astype(int)
+    high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.part.pixels.shape[::-1]).astype(int)
     columns, rows = ((high - low) // step * step).tolist()
-    box = as_float32(view.picture[low[1] : low[1] + rows, low[0] : low[0] + columns])
+    box = as_float32(view.part.pixels[low[1] : low[1] + rows, low[0] : low[0] + columns])
     if step > 1:
         box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
-    row, column = (int(k) for k in low[::-1] + view.corner)
+    row, column = (int(k) for k in low[::-1] + view.part.corner)
     turn = _to_copy((row, column), step, every, view)
     few = np.ascontiguousarray(box[::every, ::every])
     sign = np.float32(-1 if view.dark_on_light else 1)
@@ -254,7 +254,7 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
 def _to_copy(corner: tuple[int, int], step: int, every: int, view: View) -> FloatArray:
     """Return the affine map from the map's places (x, y) to pixels of the copy."""
     along = step * every / np.array(view.steps[::-1])
-    start = (np.array(corner[::-1]) - view.corner[::-1] + step / 2) / view.steps[::-1] - 0.5
+    start = (np.array(corner[::-1]) - view.part.corner[::-1] + step / 2) / view.steps[::-1] - 0.5
     return np.array([[along[0], 0, start[0]], [0, along[1], start[1]]])
 
 

@@ -6,23 +6,21 @@ edge (smooth_edge.py) is where the picture steps half-way from the contact to wh
 
 import math
 from dataclasses import replace
-from typing import Any, Final, Unpack
+from typing import Final, Unpack
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad._arrays import BoolArray, Float32Array, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image.calibration import SMOOTH
-from fingerpad.image.contact_image.edge import MANUAL, Edge, StepErrors, axis_weights, even_edge, running_mean
+from fingerpad.image.contact_image.edge import Edge, StepErrors, even_edge
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.result import ContactImageResult, contact_result
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop, reduced_shape
-from fingerpad.image.ellipse import outward_normals, polygon_moments
-from fingerpad.image.levels import picture_array
+from fingerpad.image.ellipse import outward_normals
 from fingerpad.image.scale import Scale
 
 # Longer side of the copy, px, in which regions are drawn.
@@ -66,57 +64,24 @@ def find_smooth(
     return view, (Region(patch=np.asarray(patch), several=_several(steps)), edge), None
 
 
-def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> ContactImageResult:
-    """Measure a contact without ridges inside its edge."""
-    outline = view.to_picture(edge.points)
-    moments = polygon_moments(outline)
-    weights = axis_weights(moments, outline) * view.step**2
-    noise, offset = _outline_noise(edge, weights), 0.0
-    doubts = {"edited_manually"} if edited else set()
-    if edge.step_errors is not None:
-        offset = edge.step_errors.shared * float(1 - edge.manual.mean()) * view.step
-        doubts |= edge.step_errors.doubts
-    extents = np.ptp(outline @ moments.axes.T, axis=0)
-    other = extents / 2 - moments.semi_axes
-    noise[:2, :2] += np.outer(other, other) / 3
-    return contact_result(
-        view,
-        region,
-        edge,
-        moments,
-        noise=np.pad(noise, (0, 1), constant_values=math.nan),
-        edge_effect=np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan]),
-        threshold=view.contrast / 2,
-        doubts=doubts,
-    )
-
-
 def _parts(
     pixels: npt.ArrayLike, options: ContactImageOptions
-) -> tuple[Crop, npt.NDArray[np.float32], npt.NDArray[np.float32] | None]:
+) -> tuple[Crop, Float32Array, Float32Array | None]:
     """Return the part that is measured, its colours, and those of the background there."""
     background = options.get("background")
     limits: ContactImageOptions = {**options, "background": None}
-    crops = [crop(channel, **limits) for channel in _channels(pixels, "pixels")]
-    grey = crops[0]
-    if len(crops) > 1:
-        grey = grey._replace(pixels=as_float32(np.mean([each.pixels for each in crops], axis=0)))
-    values = np.stack([as_float32(each.pixels) for each in crops], axis=-1)
+    part = crop(pixels, may_have_colours=True, **limits)
+    values = np.atleast_3d(as_float32(part.pixels))
     if np.ptp(values) < 1e-15:
         raise ImageError(f"no contact found: every pixel has the same level, {values.flat[0]:g}")
+    if part.pixels.ndim == 3:
+        part = part._replace(pixels=as_float32(part.pixels.mean(axis=2)))
     if background is None:
-        return grey, values, None
-    lights = [crop(channel, **limits) for channel in _channels(background, "background")]
-    if lights[0].shape != grey.shape:
-        raise ImageError(f"background must have the picture's shape {grey.shape}, found {lights[0].shape}")
-    return grey, values, np.stack([as_float32(each.pixels) for each in lights], axis=-1)
-
-
-def _channels(pixels: npt.ArrayLike, name: str) -> list[npt.NDArray[Any]]:
-    """Return the three colours of a picture, or its grey levels alone."""
-    array = picture_array(pixels, name)
-    is_colour = array.ndim == 3 and array.shape[2] == 3
-    return list(np.moveaxis(array, 2, 0)) if is_colour else [array]
+        return part, values, None
+    light = crop(background, may_have_colours=True, **limits)
+    if light.shape != part.shape:
+        raise ImageError(f"background must have the picture's shape {part.shape}, found {light.shape}")
+    return part, values, np.atleast_3d(as_float32(light.pixels))
 
 
 def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
@@ -158,9 +123,7 @@ def _ground(step: Step) -> float:
     return step.noise * (SMOOTH.crest_contrast if step.ring else 1.0)
 
 
-def _nested(
-    step: Step, values: npt.NDArray[np.float32], light: npt.NDArray[np.float32] | None, inside: BoolArray
-) -> bool:
+def _nested(step: Step, values: Float32Array, light: Float32Array | None, inside: BoolArray) -> bool:
     """Return whether another step lies inside: that of the contact in the body around it, or a bubble's."""
     if step.radius < _LEAST_AROUND_PX:
         return False
@@ -186,9 +149,7 @@ def _several(steps: list[Step]) -> bool:
     )
 
 
-def _view(
-    part: Crop, values: npt.NDArray[np.float32], inside: BoolArray, scale: Scale, step: Step | None
-) -> View:
+def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, step: Step | None) -> View:
     shape = reduced_shape(part.pixels.shape, max(part.pixels.shape) / _COPY_SIDE)
     size = shape[::-1]
     dark = step is not None and step.sign < 0
@@ -198,9 +159,7 @@ def _view(
     in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
     rows, columns = (whole / own for whole, own in zip(part.pixels.shape, shape, strict=True))
     return View(
-        picture=part.pixels,
-        corner=part.corner,
-        shape=part.shape,
+        part=part,
         scale=scale,
         ridge_period=math.nan,
         contact=as_float32(turned - ground),
@@ -225,7 +184,7 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     if nested or unclear or shared > SMOOTH.most_shared * step.radius:
         doubts.add("edge_unclear")
     points = step.points + outward_normals(step.points, 2) * shift
-    corner = np.array(view.corner[::-1])
+    corner = np.array(view.part.corner[::-1])
     rows, columns = view.contact.shape
     edge = even_edge(view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5]), view)
     own, run = _scatter(step)
@@ -279,21 +238,3 @@ def _scatter(step: Step) -> tuple[float, float]:
                 break
             run += 2 * share
     return max(spread, 0.02), run
-
-
-def _outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
-    """Return the covariance of (semi_major, semi_minor, area) by errors of this image's outline."""
-    drawn = np.where(edge.manual, MANUAL * edge.period, 0.0)
-    own, width, hidden = 0.0, 1.0, 0.0
-    if (errors := edge.step_errors) is not None:
-        own, width, hidden = errors.own, errors.stretch / max(float(edge.steps.mean()), 1e-9), errors.hidden
-    response = weights * (edge.steps * np.where(edge.manual, drawn, own))[:, None]
-    # The outline is a sum of few waves: an error of one profile spreads over a stretch of it.
-    count = min(max(1, round(width)), len(response))
-    spread = running_mean(response, count)
-    together = weights.T @ (edge.steps * drawn)
-    unseen = weights * (edge.steps * hidden)[:, None]
-    part = running_mean(unseen, len(unseen) // 2)
-    return np.asarray(
-        spread.T @ spread * count + np.outer(together, together) + part.T @ part * (len(unseen) // 2)
-    )

@@ -89,7 +89,7 @@ class ContactImageOptions(TypedDict, total=False):
 class Crop(NamedTuple):
     """The part of a picture that is measured."""
 
-    pixels: Pixels  # (rows, columns); its grey levels
+    pixels: Pixels  # (rows, columns); its grey levels, or (rows, columns, 3) colours
     inside: BoolArray | None  # (rows, columns); where the part counts; None means everywhere
     corner: tuple[int, int]  # (row, column) of its first pixel in the whole picture
     shape: tuple[int, int]  # of the whole picture
@@ -109,9 +109,7 @@ class View:
     Points are (x, y), px of the copy or of the whole picture; pixel centres are whole numbers.
     """
 
-    picture: Pixels  # (rows, columns); the part of the picture that is measured
-    corner: tuple[int, int]  # (row, column) of its first pixel in the whole picture
-    shape: tuple[int, int]  # of the whole picture
+    part: Crop  # what is measured of the picture, in grey levels
     scale: Scale  # millimetres per pixel of the picture
     ridge_period: float  # found or given, px of the picture; NaN where no ridges are resolved
     contact: Float32Array  # (rows, columns); the copy: how far each place lies above the ground, grey levels
@@ -126,14 +124,14 @@ class View:
     @property
     def steps(self) -> tuple[float, float]:
         """Pixels of the picture in one of the copy, along rows and columns."""
-        (rows, columns), (few_rows, few_columns) = self.picture.shape, self.contact.shape
+        (rows, columns), (few_rows, few_columns) = self.part.pixels.shape, self.contact.shape
         return rows / few_rows, columns / few_columns
 
     @property
     def _cut(self) -> tuple[bool, bool, bool, bool]:
         """Whether the top, left, bottom and right side are the caller's, not the picture's own."""
-        (row, column), (rows, columns) = self.corner, self.picture.shape
-        return row > 0, column > 0, row + rows < self.shape[0], column + columns < self.shape[1]
+        (row, column), (rows, columns), whole = self.part.corner, self.part.pixels.shape, self.part.shape
+        return row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]
 
     @property
     def resolved(self) -> bool:
@@ -152,16 +150,16 @@ class View:
 
     def to_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the copy as points of the picture."""
-        return np.asarray((points + 0.5) * self.steps[::-1] - 0.5 + np.array(self.corner[::-1]))
+        return np.asarray((points + 0.5) * self.steps[::-1] - 0.5 + np.array(self.part.corner[::-1]))
 
     def to_copy(self, points: FloatArray) -> FloatArray:
         """Return points of the picture as points of the copy."""
-        return np.asarray((points + 0.5 - np.array(self.corner[::-1])) / self.steps[::-1] - 0.5)
+        return np.asarray((points + 0.5 - np.array(self.part.corner[::-1])) / self.steps[::-1] - 0.5)
 
     def to_copy_pixel(self, row: float, column: float) -> tuple[int, int] | None:
         """Return the pixel of the copy that shows a place of the picture, None where it shows none."""
-        y = int((row + 0.5 - self.corner[0]) // self.steps[0])
-        x = int((column + 0.5 - self.corner[1]) // self.steps[1])
+        y = int((row + 0.5 - self.part.corner[0]) // self.steps[0])
+        x = int((column + 0.5 - self.part.corner[1]) // self.steps[1])
         return (y, x) if 0 <= y < self.contact.shape[0] and 0 <= x < self.contact.shape[1] else None
 
     def touches_border(self, points: FloatArray, lengths: FloatArray) -> bool:
@@ -225,9 +223,7 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
     period_of_copy = period / float(np.sqrt(rows / shape[0] * (columns / shape[1])))
     flat = flattened(copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast"))
     view = View(
-        picture=part.pixels,
-        corner=part.corner,
-        shape=part.shape,
+        part=part,
         scale=scale,
         ridge_period=found,
         contact=flat.values,
@@ -252,11 +248,13 @@ def reduced_shape(shape: tuple[int, ...], reduction: float) -> tuple[int, int]:
     return rows, columns
 
 
-def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
+def crop(
+    pixels: npt.ArrayLike, *, may_have_colours: bool = False, **options: Unpack[ContactImageOptions]
+) -> Crop:
     """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
-    values = _grey(pixels, "pixels")
+    values = _levels(pixels, "pixels", may_have_colours=may_have_colours)
     shape = (values.shape[0], values.shape[1])
     mask, background = options.get("mask"), options.get("background")
     inside = None if mask is None else _inside(mask, shape)
@@ -266,7 +264,7 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
         inside = inside[box]
     part = _finite(values[box], "pixels")
     if background is not None:
-        ground = _grey(background, "background")
+        ground = _levels(background, "background")
         if ground.shape != shape:
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
         light = _finite(ground[box], "background").astype(np.float32)
@@ -280,13 +278,13 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
     return Crop(part, inside, corner, shape, options.get("added_border") is not False)
 
 
-def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
+def _levels(pixels: npt.ArrayLike, name: str, *, may_have_colours: bool = False) -> npt.NDArray[np.number]:
     array = picture_array(pixels, name)
-    if array.ndim != 2:
+    if array.ndim != 2 and not (may_have_colours and array.ndim == 3 and array.shape[2] == 3):
         raise ImageError(wrong_shape(array, name))
     if array.dtype.kind not in "buif":
         raise ImageError(f"{name} must hold grey levels, found {array.dtype}")
-    if min(array.shape) < _MIN_SIDE_PX:
+    if min(array.shape[:2]) < _MIN_SIDE_PX:
         raise ImageError(
             f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
             f"{_MIN_SIDE_PX} px a side are the least"
