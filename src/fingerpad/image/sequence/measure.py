@@ -9,7 +9,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import takewhile
 from typing import Final, TypeAlias, Unpack
 
@@ -308,53 +307,27 @@ def measure_frames(
     `settings` of the whole sequence say how levels are read; options limit where, as
     `measure_contact_image`'s.
     """
-    return map(partial(_measure_frame, as_scale(scale), settings, watch, options), frames)
+    scale = as_scale(scale)
+    # Frames share a relative level: a threshold has gone into learning the contrast.
+    read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
 
+    def measured(frame: Frame) -> FrameResult:
+        if frame.pixels is None:
+            return FrameResult(index=frame.index, readable=False, reason=frame.reason)
+        try:
+            if texture_of(frame.pixels, scale, options) < settings.min_texture:
+                reason = f"no contact found: {_LITTLE[options.get('surface') == 'smooth']}"
+                return FrameResult(index=frame.index, reason=reason)
+            contact_image = measure_contact_image(frame.pixels, scale, **read)
+        except MemoryError:  # the limit of the process, not a fault of this frame
+            raise
+        except Exception as error:  # any error fails this frame only
+            return FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
+        if watch is not None:
+            watch(frame.index, frame.pixels, contact_image)
+        return FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
 
-def _measure_frame(
-    scale: Scale,
-    settings: SequenceSettings,
-    watch: Watcher | None,
-    options: ContactImageOptions,
-    frame: Frame,
-) -> FrameResult:
-    if frame.pixels is None:
-        return FrameResult(index=frame.index, readable=False, reason=frame.reason)
-    try:
-        if texture_of(frame.pixels, scale, options) < settings.min_texture:
-            reason = f"no contact found: {_LITTLE[options.get('surface') == 'smooth']}"
-            return FrameResult(index=frame.index, reason=reason)
-        # Frames share a relative level: a threshold has gone into learning the contrast.
-        read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
-        contact_image = measure_contact_image(frame.pixels, scale, **read)
-    except MemoryError:  # the limit of the process, not a fault of this frame
-        raise
-    except Exception as error:  # any error fails this frame only
-        return FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
-    if watch is not None:
-        watch(frame.index, frame.pixels, contact_image)
-    return FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
-
-
-def _phase(
-    result: FrameResult, first_contact: int | None, found: PhaseIntervals, count: int | None, *, given: bool
-) -> Phase | None:
-    """Return the phase of a frame whose time is known, None outside the record.
-
-    Phases found in the texture are by the numbers of its `count` frames; all others, without one, by time.
-    """
-    if count is not None:
-        if result.index >= count:
-            return None
-        phase = found.at(result.index)
-    elif math.isnan(result.time) or "no_force" in result.flags:
-        return None
-    else:
-        phase = found.at(result.time)
-    seen = result.measures is not None and first_contact is not None and result.index >= first_contact
-    if given or not seen:
-        return phase
-    return "loading" if phase == "before" else "unloading" if phase == "after" else phase
+    return map(measured, frames)
 
 
 def _zero(seen: list[FrameResult], force: ForceSignal, clock: FrameClock) -> float:
@@ -385,16 +358,28 @@ def assign_times(
     `texture` (`SequenceSettings.texture`). Loads are less the level of the force before contact, where
     `zero_before_contact` finds one.
     """
-    count: int | None = None
+    by_number = phases is None and force is None
     if phases is not None:
         found = phases
     elif force is not None:
         found = phase_intervals(force.time, force.load)
     else:
-        count = texture.size
         seen = np.flatnonzero(np.isfinite(texture))
-        index = np.arange(count, dtype=np.float64)
+        index = np.arange(texture.size, dtype=np.float64)
         found = phase_intervals(index, np.interp(index, seen, texture[seen]))
+
+    def phase_of(result: FrameResult) -> Phase | None:
+        if (
+            result.index >= texture.size
+            if by_number
+            else math.isnan(result.time) or "no_force" in result.flags
+        ):
+            return None
+        phase = found.at(result.index if by_number else result.time)
+        touching = result.measures is not None and first_contact is not None and result.index >= first_contact
+        if phases is None and touching:
+            return "loading" if phase == "before" else "unloading" if phase == "after" else phase
+        return phase
 
     def placed(result: FrameResult) -> FrameResult:
         time = math.nan if clock is None else clock.time_of(result.index, first_contact)
@@ -405,8 +390,7 @@ def assign_times(
         }
         flags = (*result.flags, *(flag for flag, doubted in doubts.items() if doubted))
         timed = replace(result, time=time, load=load, flags=flags)
-        phase = _phase(timed, first_contact, found, count, given=phases is not None)
-        return replace(timed, phase=phase, is_first_contact=result.index == first_contact)
+        return replace(timed, phase=phase_of(timed), is_first_contact=result.index == first_contact)
 
     waiting: list[FrameResult] = []
     run, zero = 0, 0.0
