@@ -129,7 +129,9 @@ def camera_files(tmp_path):
     Image.fromarray(pixels).save(tmp_path / "IMG_0031.png", dpi=(500, 500))
     Image.fromarray(pixels).save(tmp_path / "LI_30deg_0,5N.png")
     (tmp_path / "force.csv").write_text("time (s);force (N)\n0;0,1\n0,5;1,5\n1;2,25\n")
-    (tmp_path / "details.csv").write_text("file;wedge (deg);load (N)\nIMG_0031;45;1,5\nIMG_0099;0;2\n")
+    (tmp_path / "details.csv").write_text(
+        "file;wedge (deg);load (N);Ansicht\nIMG_0031;45;1,5;\nIMG_0099;0;2;\n"
+    )
     (tmp_path / "odd.csv").write_text("a,b\n1,2\n")
     (tmp_path / "notes.txt").write_text("not of the study")
     return tmp_path
@@ -145,6 +147,7 @@ def test_a_study_begins_from_files(camera_files):
     assert started.taken["IMG_0031.png"] == "contact image"
     assert any("IMG_0031.png: 500 ppi as its file says" in line for line in started.guesses)
     assert "details.csv, line 3: no one file is called 'IMG_0099'" in started.guesses
+    assert any(line.startswith("details.csv: no column for 'Ansicht': known are") for line in started.guesses)
     assert started.left["force.csv"] == "force of a sequence"
     assert started.taken["details.csv"].startswith("what it states of ")
     assert started.guesses[0] == "load_relative_std = 0.01: every load is known within 1 %"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from fingerpad._words import counted
+from fingerpad._words import counted, joined
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.editing import propose
 from fingerpad.study.editing.edit import change_study, create_study
@@ -115,17 +115,25 @@ def _filled_in(
     read, problems = {}, []
     for sheet in [file for file, (new, _) in found.items() if new.use == "sheet"]:
         table = read_file_table(folder / sheet)
-        joined = join_files(table, [file for file in found if file != sheet])
+        named = join_files(table, [file for file in found if file != sheet])
         problems += [
             f"{sheet}, line {row.line}: {'; '.join(row.problems)}" for row in table.rows if row.problems
         ]
+        if table.sheet:
+            problems.append(f"{sheet}: of its sheets {table.sheet!r} alone is read: save each as a file")
+        if table.unread:
+            unread = joined(map(repr, table.unread), 5)
+            problems.append(f"{sheet}: no column for {unread}: known are finger, face, wedge, load and scale")
         problems += [
             f"{sheet}, line {row.line}: no one file is called {row.file!r}"
-            for row in joined.rows_without_file
+            for row in named.rows_without_file
+            if named.rows
         ]
-        if joined.rows:
-            read[sheet] = f"what it states of {counted(len(joined.rows), 'file')}"
-        for file, row in joined.rows.items():
+        if not named.rows:
+            problems.append(f"{sheet}: names none of the files")
+        else:
+            read[sheet] = f"what it states of {counted(len(named.rows), 'file')}"
+        for file, row in named.rows.items():
             new, guess = found[file]
             taken, problem = propose.stated_values(new, row.values, ())
             if problem:

@@ -63,6 +63,12 @@ class FileTable:
 
     columns: tuple[FileColumn, ...]
     rows: tuple[FileRow, ...]
+    sheet: str = ""  # which was read of a workbook that has several
+
+    @property
+    def unread(self) -> list[str]:
+        """The headers of columns whose meaning is not known."""
+        return [column.header for column in self.columns if column.header and not column.meaning]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,7 +121,8 @@ def file_table(table: Table) -> FileTable:
     if twice:
         headers = " and ".join(repr(one.header) for one in columns if one.meaning == twice[0])
         raise ManifestError(f"{name}: {headers} both state the {twice[0]}: remove one")
-    return FileTable(columns=columns, rows=tuple(_row(columns, cells, line) for line, cells in table.rows))
+    rows = tuple(_row(columns, cells, line) for line, cells in table.rows)
+    return FileTable(columns=columns, rows=rows, sheet=table.sheet)
 
 
 def _holds_names(table: Table, place: int) -> bool:
