@@ -34,9 +34,9 @@ class Exponent(NamedTuple):
 def area_exponent(rows: pd.DataFrame) -> Exponent:
     """Return the exponent of A ∝ W^n over the pooled of some rows: contacts, or frames of sequences.
 
-    Of contacts two loads give a slope and three its uncertainty, from the scatter about it and the edge. Of
-    presses it is from their bends, the difference between them and the edge, and no less than from the stated
-    uncertainty of their areas.
+    Of contacts two loads give a slope and three its uncertainty, from the scatter about it and the edge; of
+    presses it is from their bends, the difference between them and the edge. It is no less than from the
+    stated uncertainty of the areas.
     """
     sound = rows[rows["pooled"] & (rows["load_N"] > 0)]
     major, minor = sound["semi_major_mm"].to_numpy(), sound["semi_minor_mm"].to_numpy()
@@ -48,7 +48,9 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
         if x.size < 3:
             return Exponent(float(np.polyfit(x, y, 1)[0]), math.nan)
         (value, _), covariance = np.polyfit(x, y, 1, cov=True)
-        weights, std = np.linalg.pinv(np.vander(x, 2))[0], math.sqrt(covariance[0, 0])
+        weights = np.linalg.pinv(np.vander(x, 2))[0]
+        # A few contacts may lie on a line by chance.
+        std = float(np.fmax(math.sqrt(covariance[0, 0]), np.linalg.norm(weights * area_noise(sound))))
     else:
         value, weights, std = presses.value, presses.weights, presses.std
     # An edge further out adds more to the logarithm of a small area: by one line for each device.
