@@ -1,12 +1,15 @@
 """Tables in Markdown, and what they say of errors."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
+
+from fingerpad.exceptions import FingerpadError
 
 # Relative error, relative standard uncertainty, and whether a flag says that the value is in doubt.
 Row: TypeAlias = tuple[float, float, bool]
@@ -18,6 +21,19 @@ def rows_of(
     """Return relative errors of values with their relative standard uncertainties."""
     errors, stds = values / np.asarray(truth) - 1, np.sqrt(np.diagonal(covariance)) / values
     return [(error, std, bool(flagged)) for error, std in zip(errors, stds, strict=True)]
+
+
+def not_refused(
+    measure: Callable[[int], Mapping[str, object]], seeds: Iterable[int]
+) -> tuple[pd.DataFrame, int]:
+    """Return what is measured with each seed, and how many are refused."""
+    found, refused = [], 0
+    for seed in seeds:
+        try:
+            found.append(measure(seed))
+        except FingerpadError:
+            refused += 1
+    return pd.DataFrame(found), refused
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str = "") -> None:

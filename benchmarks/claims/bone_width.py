@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Final, NamedTuple
 
+import cv2
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
@@ -164,16 +165,9 @@ def solve(flexibility: Array, gap: Array, indentation: float, depth: float) -> C
     whole = np.block([[quarter[::-1, ::-1], quarter[::-1]], [quarter[:, ::-1], quarter]])
     side = np.append(-_GRID[::-1], _GRID)
     outline = contact_outline(side, side, whole, decay_length=depth)
-    along_over_across = math.sqrt(_moment(outline.points, 1) / _moment(outline.points, 0))
+    moments = cv2.moments(outline.points.astype(np.float32))
+    along_over_across = math.sqrt(moments["m02"] / moments["m20"])
     return Contact(float(whole.sum()) * (_REACH / _CELLS) ** 2, indentation, outline.area, along_over_across)
-
-
-def _moment(polygon: Array, axis: int) -> float:
-    """Return the second moment of a polygon's area along one of its axes."""
-    u, v = polygon[:, axis], polygon[:, 1 - axis]
-    following_u, following_v = np.roll(u, -1), np.roll(v, -1)
-    cross = u * following_v - following_u * v
-    return abs(float(np.sum(cross * (u**2 + u * following_u + following_u**2)))) / 12
 
 
 def pad_gap(wedge_deg: float) -> Gap:
@@ -202,23 +196,22 @@ def pressed(bone: Bone, side: float, wedge_deg: float, area: float) -> Contact:
 
 def _cells(bone: Bone, side: float) -> Iterator[str]:
     """Yield A/(πξ), thickness of the layer that acts so, modulus read with it over the true one, and axes."""
-    rows = []
-    for wedge, area in PRINTED.items():
-        found, gap = pressed(bone, side, wedge, area), pad_gap(wedge)
-        radius = area / (math.pi * found.indentation)
-
-        def layer(thickness: float, gap: Gap = gap, area: float = area) -> Any:
-            known = {"reduced_modulus": 1.0, "thickness": thickness, "poisson_ratio": POISSON}
-            return press(gap, area=area, **known)
-
-        def excess(t: float, layer: Any = layer, radius: float = radius) -> float:
-            return float(layer(t).area_over_pi_indentation) - radius
-
-        thickness = float(brentq(excess, math.sqrt(area / math.pi) / 2.9, 60.0))
-        modulus = found.load / float(layer(thickness).load)
-        rows.append((radius, thickness, modulus, found.along_over_across))
+    rows = [_as_layer(pressed(bone, side, wedge, area), wedge, area) for wedge, area in PRINTED.items()]
     for digits, values in zip((1, 1, 2, 2), zip(*rows, strict=True), strict=True):
         yield ", ".join(f"{one:.{digits}f}" for one in values)
+
+
+def _as_layer(found: Contact, wedge: float, area: float) -> tuple[float, ...]:
+    gap, radius = pad_gap(wedge), area / (math.pi * found.indentation)
+
+    def layer(t: float) -> Any:
+        return press(gap, area=area, reduced_modulus=1.0, thickness=t, poisson_ratio=POISSON)
+
+    def excess(t: float) -> float:
+        return float(layer(t).area_over_pi_indentation) - radius
+
+    thickness = float(brentq(excess, math.sqrt(area / math.pi) / 2.9, 60.0))
+    return radius, thickness, found.load / float(layer(thickness).load), found.along_over_across
 
 
 def report(side: float = 1.5) -> None:

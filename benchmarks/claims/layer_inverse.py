@@ -5,22 +5,21 @@ those of the contact solver; none of the curves is made by the fast laws that ar
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import NamedTuple
+from functools import cache, partial
 
 import numpy as np
+import pandas as pd
 from scipy.interpolate import CubicSpline
 
 from benchmarks.arrays import Array
 from benchmarks.claims.loading_truth import Condition, make_curve
-from benchmarks.tables import share, table
+from benchmarks.tables import not_refused, share, table
 from benchmarks.truth.loading_physics import POISSON, Contact, Pad, hertz, layer, pink
 from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import AnyPlacement
-from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import fit_layer_thickness
 
@@ -64,24 +63,12 @@ CASES: Mapping[str, Case] = {
 }
 
 
-class Found(NamedTuple):
-    """What one fit says: whether intervals hold the truth, and how wide that of t is."""
-
-    thickness_held: float
-    modulus_held: float
-    offset_held: float
-    width: float
-    one_sided: bool
-    undetermined: bool
-    weight: float
-
-
 @cache
-def solved_pad(thickness: float, points: int = 64) -> tuple[CubicSpline, CubicSpline]:
+def solved_pad(thickness: float) -> tuple[CubicSpline, CubicSpline]:
     """Return load over E* and area of the pad of Table 1 against indentation, by the contact solver."""
     depths = 2.6 * np.linspace(0, 1, 15)[1:] ** 1.3
     tissue = Tissue.of_reduced_modulus(1.0, POISSON, thickness)
-    solved = [solve_contact(PLACED, tissue, indentation=float(depth), points=points) for depth in depths]
+    solved = [solve_contact(PLACED, tissue, indentation=float(depth), points=64) for depth in depths]
     # W/ξ^(3/2) and A/ξ vary little, and are what is interpolated.
     load = CubicSpline(np.sqrt(depths), [one.load / one.indentation**1.5 for one in solved])
     return load, CubicSpline(np.sqrt(depths), [one.area / one.indentation for one in solved])
@@ -100,8 +87,11 @@ def whole_pad(thickness: float) -> Callable[[Pad, float], Contact]:
     return contact
 
 
-def fit_once(case: Case, seed: int) -> Found:
-    """Fit one curve of a pad of 30 to 80 kPa, and of 10 to 20 mm unless it is that of Table 1."""
+def fit_once(case: Case, seed: int) -> dict[str, float]:
+    """Fit one curve of a pad of 30 to 80 kPa, and of 10 to 20 mm unless it is that of Table 1.
+
+    Returned is whether intervals hold the truth, NaN where there is none, and how wide that of t is.
+    """
     rng = np.random.default_rng(seed)
     table_radius = float(PLACED.curvature.mean_curvature_radius)
     radius = table_radius if case.whole else rng.uniform(10, 20)
@@ -114,15 +104,15 @@ def fit_once(case: Case, seed: int) -> Found:
     fit = fit_layer_thickness(curve, placement=known, radius_std=case.radius_relative_std * scale * radius)
     t = fit.thickness
     closed = t.known and t.upper < DEEP > case.thickness
-    return Found(
-        thickness_held=_held(t, case.thickness),
-        modulus_held=_held(fit.youngs_modulus, pad.modulus),
-        offset_held=_held(fit.contact_offset, place),
-        width=(t.upper - t.lower) / case.thickness if closed else math.nan,
-        one_sided=t.known and t.upper == DEEP,
-        undetermined=not t.known,
-        weight=fit.layer_weight,
-    )
+    return {
+        "t held": _held(t, case.thickness),
+        "E held": _held(fit.youngs_modulus, pad.modulus),
+        "x₀ held": _held(fit.contact_offset, place),
+        "width of t over t": (t.upper - t.lower) / case.thickness if closed else math.nan,
+        "open above": t.known and t.upper == DEEP,
+        "undetermined": not t.known,
+        "weight of a layer": fit.layer_weight,
+    }
 
 
 def _held(quantity: Estimate, truth: float) -> float:
@@ -133,30 +123,19 @@ def _held(quantity: Estimate, truth: float) -> float:
 
 def report(repeats: int = 10, first_seed: int = 90_000) -> None:
     """Print, of each case, the share of intervals that hold, and how wide t is."""
-    pooled = []
+    fits = {
+        name: not_refused(partial(fit_once, case), range(first_seed, first_seed + repeats))
+        for name, case in CASES.items()
+    }
 
-    def cells(name: str, case: Case) -> tuple[object, ...]:
-        found, refused = [], 0
-        for seed in range(first_seed, first_seed + repeats):
-            try:
-                found.append(fit_once(case, seed))
-            except FingerpadError:
-                refused += 1
-        rows = np.array(found, dtype=float)
-        if not case.lag:
-            pooled.append(rows)
-        width = f"{np.nanmedian(rows[:, 3]):.2f}" if np.isfinite(rows[:, 3]).any() else "–"
-        weight = f"{np.median(rows[:, 6]):.3f}"
-        return name, *_shares(rows), width, share(rows[:, 4]), share(rows[:, 5]), weight, refused
+    def cells(name: str) -> Iterator[object]:
+        found, refused = fits[name]
+        *held, width, open_, undetermined, weight = (found[column].dropna() for column in found)
+        yield from (name, *map(share, held), f"{width.median():.2f}" if width.size else "–")
+        yield from (share(open_), share(undetermined), f"{weight.median():.3f}", refused)
 
-    head = "curves", "t held", "E held", "x₀ held", "width of t over t", "open above", "undetermined"
-    table(
-        (*head, "weight of a layer", "refused"),
-        (cells(*case) for case in CASES.items()),
-        f"Thickness and modulus from loading curves, {repeats} each",
-    )
-    print(f"| all but late areas | {' | '.join(_shares(np.concatenate(pooled)))} |" + " |" * 5)
-
-
-def _shares(rows: Array) -> list[str]:
-    return [share(column[np.isfinite(column)]) for column in rows[:, :3].T]
+    columns = ("curves", *next(iter(fits.values()))[0], "refused")
+    table(columns, map(list, map(cells, CASES)), f"Thickness and modulus from loading curves, {repeats} each")
+    every = pd.concat([fits[name][0] for name, case in CASES.items() if not case.lag])
+    shares = (share(every[column].dropna()) for column in columns[1:4])
+    print(f"| all but late areas | {' | '.join(shares)} |" + " |" * 5)

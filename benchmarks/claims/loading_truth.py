@@ -5,16 +5,17 @@ The curves are made of `benchmarks.truth.loading_physics` and share no model wit
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.tables import percent, share, table
+from benchmarks.tables import not_refused, percent, share, table
 from benchmarks.truth import loading_physics as physics
 from benchmarks.truth.loading_physics import Contact, Pad, pink
 from fingerpad import Estimate
-from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LoadingCurve, fit_loading_curve
 
 # Flags that say what the pad is like, not that a number is in doubt.
@@ -76,14 +77,6 @@ CONDITIONS: Mapping[str, Condition] = {
 }
 
 
-class Found(NamedTuple):
-    """One quantity of one fit; NaN where undetermined."""
-
-    relative_error: float
-    held: float
-    flagged: bool
-
-
 def random_pad(condition: Condition, rng: Rng) -> Pad:
     """Return a pad of 10 to 20 mm and 30 to 80 kPa."""
     modulus = rng.uniform(0.03, 0.08)
@@ -113,8 +106,11 @@ def make_curve(condition: Condition, pad: Pad, place: float, rng: Rng) -> Loadin
     return LoadingCurve(load=force[kept], indentation=indentation[kept], area=areas[kept], time=clock[kept])
 
 
-def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
-    """Fit one curve; compare with E of the tissue, the radius of curvature, and the exponent of area."""
+def fit_errors(condition: Condition, seed: int) -> dict[str, float]:
+    """Fit one curve; compare with E of the tissue, the radius of curvature, and the exponent of area.
+
+    Returned are the relative error of each quantity that is known, and whether its interval holds the truth.
+    """
     rng = np.random.default_rng(seed)
     pad = random_pad(condition, rng)
     place = rng.uniform(-2, 2)
@@ -130,13 +126,12 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
         known["loading_radius"] = Estimate.symmetric(rng.normal(pad.radius, std), std)
     fit = fit_loading_curve(curve, **known)
     truth = dict(zip(QUANTITIES, (pad.modulus, pad.radius, condition.area_exponent, place), strict=True))
-    flagged = bool(set(fit.flags) - DESCRIPTIVE)
-    found = {name: Found(np.nan, np.nan, flagged) for name in QUANTITIES}
+    found: dict[str, float] = {"flagged": bool(set(fit.flags) - DESCRIPTIVE)}
     for name, true in truth.items():
         estimate = getattr(fit, name)
         if estimate.known and np.isfinite(true):
-            held = float(estimate.lower <= true <= estimate.upper)
-            found[name] = Found((estimate.value - true) / true, held, flagged)
+            found[name] = (estimate.value - true) / true
+            found[f"{name} held"] = estimate.lower <= true <= estimate.upper
     return found
 
 
@@ -144,26 +139,18 @@ def report(repeats: int = 24, first_seed: int = 50_000) -> None:
     """Print, of each condition and quantity, the error, coverage and flags."""
     table(
         ("condition", "flagged", "refused", *(name.replace("_", " ") for name in QUANTITIES)),
-        (_cells(name, repeats, first_seed) for name in CONDITIONS),
+        (_cells(name, range(first_seed, first_seed + repeats)) for name in CONDITIONS),
         f"{repeats} curves each: median error; held by 95 % intervals (by those of curves without a flag)",
     )
 
 
-def _cells(name: str, repeats: int, first_seed: int) -> list[object]:
-    fits, refused = [], 0
-    for seed in range(first_seed, first_seed + repeats):
-        try:
-            fits.append(fit_errors(CONDITIONS[name], seed))
-        except FingerpadError:
-            refused += 1
-    flagged = share([fit[QUANTITIES[0]].flagged for fit in fits])
-    return [name, flagged, refused, *(_cell([fit[quantity] for fit in fits]) for quantity in QUANTITIES)]
+def _cells(name: str, seeds: range) -> list[object]:
+    fits, refused = not_refused(partial(fit_errors, CONDITIONS[name]), seeds)
+    return [name, share(fits["flagged"]), refused, *(_cell(fits, quantity) for quantity in QUANTITIES)]
 
 
-def _cell(found: list[Found]) -> str:
-    error, held, flagged = np.array(found, dtype=float).T
-    there = np.isfinite(error)
-    if not there.any():
+def _cell(fits: pd.DataFrame, name: str) -> str:
+    if name not in fits:
         return "–"
-    without = share(held[there & (flagged == 0)])
-    return f"{percent(float(np.median(error[there])), '+')}; {share(held[there])} ({without})"
+    error, held, flagged = fits.dropna(subset=name)[[name, f"{name} held", "flagged"]].to_numpy(dtype=float).T
+    return f"{percent(float(np.median(error)), '+')}; {share(held)} ({share(held[flagged == 0])})"

@@ -1,4 +1,4 @@
-"""Pictures that show no finger's contact, drawn by code, to see whether they are taken for one."""
+"""Pictures that show no finger's contact, photographs and drawings, to see whether they are taken for one."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
@@ -8,6 +8,7 @@ from typing import Final
 import cv2
 import numpy as np
 import numpy.typing as npt
+import skimage.data
 
 from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.tables import table
@@ -38,10 +39,10 @@ def _coordinates() -> tuple[Array, Array]:
     return x, y
 
 
-def _in_ellipse(texture: npt.ArrayLike, ground: float = 235) -> Pixels:
+def _in_ellipse(texture: npt.ArrayLike) -> Pixels:
     """Return a texture seen in an ellipse of a contact's size on an even ground."""
     x, y = _coordinates()
-    return _levels(np.where((x / 0.55) ** 2 + (y / 0.75) ** 2 < 1, texture, ground))
+    return _levels(np.where((x / 0.55) ** 2 + (y / 0.75) ** 2 < 1, texture, 235))
 
 
 def _spectrum(rng: Rng, power: float) -> Array:
@@ -52,39 +53,14 @@ def _spectrum(rng: Rng, power: float) -> Array:
     return field / field.std()
 
 
-def landscape(rng: Rng) -> Pixels:
-    """Draw hills of grass and rock under a sky."""
-    picture, row = 215 + 10 * _noise(rng, 40), np.arange(SIDE)[:, None]
-    for k in range(4):
-        ridge = SIDE * (0.35 + 0.15 * k) + 30 * _spectrum(rng, 1.5)[0]
-        hill = 150 - 25 * k + 22 * _spectrum(rng, 0.8)
-        picture = np.where(row > ridge, hill, picture)
-    return _levels(picture)
-
-
-def face(rng: Rng) -> Pixels:
-    """Draw a face by its shading: head, hair, eyes, nose and mouth."""
-    x, y = _coordinates()
-    light = 150 + 60 * np.sqrt(np.clip(1 - (x / 0.5) ** 2 - (y / 0.7) ** 2, 0, 1)) + 25 * x
-    picture = np.where((x / 0.5) ** 2 + (y / 0.7) ** 2 < 1, light, 90 + 10 * _noise(rng, 30))
-    hair = ((x / 0.56) ** 2 + (y / 0.76) ** 2 < 1) & (y < -0.35 + 0.1 * np.cos(4 * x))
-    picture = np.where(hair, 45 + 12 * _noise(rng, 2), picture)
-    for sign in (-1, 1):
-        far = ((x - sign * 0.2) / 0.1) ** 2 + ((y + 0.1) / 0.05) ** 2
-        picture = picture - 90 * np.exp(-far)
-    picture -= 40 * np.exp(-((x / 0.06) ** 2) - ((y - 0.1) / 0.12) ** 2)
-    picture -= 70 * np.exp(-((x / 0.2) ** 2) - ((y - 0.35 - 0.2 * x**2) / 0.03) ** 2)
-    return _levels(cv2.GaussianBlur(picture, (0, 0), 1.5) + 4 * _noise(rng, 0))
-
-
-def coin(rng: Rng) -> Pixels:
-    """Draw a coin: rim, milling and a relief."""
-    x, y = _coordinates()
-    radius, turn = np.hypot(x, y), np.arctan2(y, x)
-    relief = cv2.GaussianBlur((_noise(rng, 14) > 0.3).astype(float), (0, 0), 2)
-    shade = 130 + 250 * cv2.Sobel(relief, cv2.CV_64F, 1, 0, ksize=3) * (radius < 0.55)
-    shade = shade + 45 * np.sign(np.sin(90 * turn)) * ((radius > 0.7) & (radius < 0.76))
-    return _levels(np.where(radius < 0.76, shade, 230) + 3 * _noise(rng, 0))
+def photograph(_: Rng, name: str) -> Pixels:
+    """Return the middle square of a picture that comes with scikit-image, in grey."""
+    pixels = getattr(skimage.data, name)()
+    grey = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY) if pixels.ndim == 3 else pixels
+    side = min(grey.shape)
+    top, left = ((size - side) // 2 for size in grey.shape)
+    square = grey[top : top + side, left : left + side]
+    return np.asarray(cv2.resize(square, (SIDE, SIDE), interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def text(rng: Rng, size: float = 0.5, step: int = 16) -> Pixels:
@@ -110,37 +86,6 @@ def checkerboard(_: Rng, side_mm: float) -> Pixels:
     """Draw a checkerboard."""
     index = np.floor(np.arange(SIDE) * 25.4 / PPI / side_mm).astype(int)
     return _levels(np.where((index[:, None] + index) % 2, 40, 220))
-
-
-def bricks(rng: Rng) -> Pixels:
-    """Draw a wall of bricks."""
-    row, column = np.mgrid[:SIDE, :SIDE]
-    shift = np.where(row // 40 % 2, 0, 40)
-    joint = (row % 40 < 5) | ((column + shift) % 80 < 5)
-    return _levels(np.where(joint, 210, 110) + 12 * _noise(rng, 1))
-
-
-def wood(rng: Rng) -> Pixels:
-    """Draw the grain of wood: rings of uneven width, and fibres."""
-    x, y = _coordinates()
-    rings = np.sin(25 * (x + 0.15 * _noise(rng, 60) + 0.1 * y**2) + 2 * _noise(rng, 50))
-    fibres = cv2.GaussianBlur(rng.standard_normal((SIDE, SIDE)), (0, 0), sigmaX=0.7, sigmaY=25)
-    return _levels(150 + 35 * rings + 25 * fibres / fibres.std())
-
-
-def cloth(rng: Rng, period_px: float = 14.0) -> Pixels:
-    """Draw a plain weave."""
-    row, column = np.mgrid[:SIDE, :SIDE] * (2 * np.pi / period_px)
-    return _levels(140 + 40 * np.sin(row) * np.sin(column) + 8 * _noise(rng, 0.7))
-
-
-def pebbles(rng: Rng, radius: tuple[int, int], count: int) -> Pixels:
-    """Draw overlapping discs, each shaded."""
-    picture = np.full((SIDE, SIDE), 200.0)
-    for _ in range(count):
-        centre, size = rng.integers(60, SIDE - 60, 2), int(rng.integers(*radius))
-        cv2.circle(picture, tuple(int(k) for k in centre), size, float(rng.uniform(40, 180)), -1)
-    return _levels(cv2.GaussianBlur(picture, (0, 0), 1) + 4 * _noise(rng, 0))
 
 
 def shape(rng: Rng, corners: int) -> Pixels:
@@ -192,6 +137,16 @@ def _gradient(_: Rng, kind: str) -> Pixels:
     )
 
 
+# Pictures that come with scikit-image, by what they show.
+PHOTOGRAPHS: Final = {
+    "photograph of a face": ("astronaut", "camera", "cat"),
+    "photograph of coins": ("coins",),
+    "photograph of something else": (
+        "rocket", "coffee", "clock", "moon", "hubble_deep_field", "page", "text",
+    ),
+    "photograph of brick, grass, gravel": ("brick", "grass", "gravel"),
+    "picture by a microscope": ("cell", "immunohistochemistry", "microaneurysms", "retina"),
+}  # fmt: skip
 Draw = Callable[[Rng], Pixels]
 KINDS: Final[dict[str, tuple[Draw, ...]]] = {
     "blank paper": (
@@ -208,9 +163,7 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
         lambda rng: _levels(128 + 45 * _spectrum(rng, 1.6)),
     ),
     "gradient": tuple(partial(_gradient, kind=kind) for kind in ("linear", "radial", "spot", "vignette")),
-    "face": (face, face),
-    "coin": (coin, coin),
-    "landscape": (landscape, landscape, landscape),
+    **{of: tuple(partial(photograph, name=name) for name in names) for of, names in PHOTOGRAPHS.items()},
     "text": (
         text,
         lambda rng: text(rng, 0.35, 11),
@@ -221,16 +174,6 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
     "checkerboard": tuple(partial(checkerboard, side_mm=side) for side in (0.2, 0.45, 1.0, 3.0)),
     "stripes, too coarse or fine": tuple(
         partial(stripes, period_mm=period) for period in (0.12, 0.18, 0.95, 1.4, 2.5)
-    ),
-    "texture": (
-        bricks,
-        wood,
-        wood,
-        cloth,
-        lambda rng: cloth(rng, 9.0),
-        lambda rng: cloth(rng, 30.0),
-        lambda rng: pebbles(rng, (4, 9), 3000),
-        lambda rng: pebbles(rng, (10, 30), 400),
     ),
     "shape": tuple(partial(shape, corners=corners) for corners in (0, 3, 4, 6)),
     "drawing": (scribble, chart),
@@ -257,12 +200,12 @@ def answer(pixels: npt.ArrayLike, scale: Scale) -> str:
     return FLAG if FLAG in flags else "other flags" if flags else "accepted"
 
 
-def rates(seed: int = 0, prints: int = 4) -> dict[str, dict[str, int]]:
+def rates() -> dict[str, dict[str, int]]:
     """Return how often each kind of picture, and of independently rendered contact, is taken how."""
     counts: dict[str, dict[str, int]] = defaultdict(Counter)
-    for kind, pixels in non_prints(seed):
+    for kind, pixels in non_prints():
         counts[kind][answer(pixels, Scale.of_ppi(PPI))] += 1
-    for _, image in independent_images(prints, seed):
+    for _, image in independent_images(4):
         counts["contact images"][answer(image.pixels, Scale(image.mm_per_px))] += 1
     return counts
 

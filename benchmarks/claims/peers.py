@@ -32,7 +32,7 @@ from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
 from benchmarks.cost import best
 from benchmarks.tables import off, percent, stated, table
-from benchmarks.truth.hertz import exact_contact
+from benchmarks.truth.hertz import exact_contact, hertz_factors
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.contact import Contact, Tissue, hertz_contact
@@ -47,10 +47,13 @@ RADIUS, LOAD, MODULUS = 8.0, 2.0, 0.1365  # mm, N, MPa
 # Radius, E* of the instrument or of nanite in Pa, and Pa of its unit (tests/loading/data/README.md).
 RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0, 1e6), "afm_cell.csv": (5.0, 480.3, 1e3)}
 
+# Semi-axes with the indentation of a contact, or with its area in an image; NaN where nothing is found.
+Measured: TypeAlias = tuple[float, float, float]
+_NONE: Final = (math.nan,) * 3
+
 # Semi-axes and indentation of each ratio in turn, then seconds for one contact.
 _IN_OWN_ENVIRONMENT: Final = """
 import json, math, sys, time
-from benchmarks.arrays import Array, Pixels
 peer, radius, load, modulus, ratios = json.loads(sys.argv[1])
 inf = float("inf")
 if peer == "slippy":
@@ -97,11 +100,10 @@ def hertz() -> None:
         _errors("SciPy, root-finder", rooted, exact, f"{1e6 * best(lambda: _by_root(3.0)):.0f} µs"),
     ]
     for peer in ("slippy", "tribology"):
-        answer = _ask(peer)
-        if answer is None:
-            rows.append((f"{peer}: not installed", "–", "–", "–"))
-        else:
+        if answer := _ask(peer):
             rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
+        else:
+            rows.append((f"{peer}: not installed", "–", "–", "–"))
     table(
         ("elliptical Hertz contact", "semi-axes, largest error", "indentation", "one contact"),
         rows,
@@ -117,27 +119,21 @@ def _errors(name: str, found: Array, exact: Array, seconds: str) -> tuple[str, .
     return name + fails, f"{axes:.1e}", f"{depth:.1e}", seconds
 
 
-def _by_root(ratio: float) -> tuple[float, float, float]:
+def _by_root(ratio: float) -> Measured:
     """Solve as a script does: SciPy's integrals as Johnson prints them, and Brent's method."""
 
-    def shape(k: float) -> tuple[float, float]:
-        m = 1 - k * k
-        return float(ellipk(m)), float(ellipe(m))
-
     def residual(k: float) -> float:
-        K, E = shape(k)
+        K, E = ellipk(1 - k * k), ellipe(1 - k * k)
         return float((E / k**2 - K) / (K - E) - ratio)
 
     try:
         k = brentq(residual, 1e-6, 1 - 1e-9, xtol=1e-15)
     except ValueError:  # no change of sign: a circle
-        return (float("nan"),) * 3
-    K, E = shape(k)
-    size = (4 / (np.pi * (1 - k * k)) * k**1.5 * np.sqrt((E / k**2 - K) * (K - E))) ** (1 / 3)
+        return _NONE
+    size, depth = hertz_factors(k)
     mean = RADIUS * np.sqrt(ratio)
     c = (3 * LOAD * mean / (4 * MODULUS)) ** (1 / 3) * size
-    depth = (9 * LOAD**2 / (16 * MODULUS**2 * mean)) ** (1 / 3) * 2 / np.pi * np.sqrt(k) * K / size
-    return c / np.sqrt(k), c * np.sqrt(k), depth
+    return c / np.sqrt(k), c * np.sqrt(k), (9 * LOAD**2 / (16 * MODULUS**2 * mean)) ** (1 / 3) * depth
 
 
 def _ask(peer: str) -> tuple[list[list[float]], float] | None:
@@ -151,11 +147,6 @@ def _ask(peer: str) -> tuple[list[list[float]], float] | None:
         return None
     rows, seconds = json.loads(done.stdout.splitlines()[-1])
     return rows, seconds
-
-
-# Area and semi-axes that one way of measuring finds; NaN where it finds none.
-Measured: TypeAlias = tuple[float, float, float]
-_NONE: Final = (math.nan,) * 3
 
 
 def contact_image(count: int) -> None:
@@ -199,8 +190,8 @@ def _by_fingerpad(image: IndependentImage) -> Measured:
 def _by_scikit_image(image: IndependentImage) -> Measured:
     """Measure as a script does: darker than Otsu's level, valleys closed over 1 mm, the largest region."""
     grey = _dark_on_light(image)
-    ridges = grey < filters.threshold_otsu(grey)
-    return _largest_region(morphology.closing(ridges, morphology.disk(round(0.5 / image.mm_per_px))), image)
+    disk = morphology.disk(round(0.5 / image.mm_per_px))
+    return _largest_region(morphology.closing(grey < filters.threshold_otsu(grey), disk), image)
 
 
 def _by_blur(image: IndependentImage) -> Measured:
@@ -213,18 +204,15 @@ def _by_imagej(image: IndependentImage) -> Measured:
     """Measure as a macro does: despeckle, IsoData, dilate and erode, fill holes, fit an ellipse."""
     grey = cv2.medianBlur(_dark_on_light(image), 3)
     ridges = (grey < filters.threshold_isodata(grey)).astype(np.uint8)
-    kernel = np.ones((3, 3), np.uint8)
-    times = round(0.5 / image.mm_per_px)
+    kernel, times = np.ones((3, 3), np.uint8), round(0.5 / image.mm_per_px)
     closed = cv2.erode(cv2.dilate(ridges, kernel, iterations=times), kernel, iterations=times)
-    filled = ndimage.binary_fill_holes(closed)
-    return _largest_region(filled, image)
+    return _largest_region(ndimage.binary_fill_holes(closed), image)
 
 
 def _by_pyfing(image: IndependentImage) -> Measured:
     """Measure by the gradient-magnitude segmentation of Cappelli (2023)."""
-    sys.modules.setdefault(
-        "keras", ModuleType("keras")
-    )  # imported for networks that this method does without
+    # which imports keras for networks that this method does without
+    sys.modules.setdefault("keras", ModuleType("keras"))
     methods = import_module("pyfing.segmentation")
     parameters = methods.GmfsParameters(image_dpi=round(25.4 / image.mm_per_px))
     return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)

@@ -7,7 +7,6 @@ beyond the arc.
 
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 
 import cv2
@@ -15,23 +14,13 @@ import numpy as np
 
 from benchmarks.arrays import Array
 from benchmarks.claims import finger_shapes
-from benchmarks.tables import percent, share, stated, table
+from benchmarks.tables import Row, percent, rows_of, share, stated, table
 from fingerpad.image import Face, PhotographFit
 from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
 
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial", "ulnar")
 BACKDROPS: tuple[Backdrop, ...] = ("white", "grey", "black", "blue", "green", "cork")
 ARCS_DEG = ((60, 90), (90, 120), (120, 150), (150, 180))
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One measurement: true extent of the arc, relative errors and stated relative uncertainties."""
-
-    arc_deg: float
-    errors: Array
-    stds: Array
-    flagged: bool
 
 
 def random_finger(seed: int, least_arc_deg: float, greatest_arc_deg: float = 180) -> SyntheticFinger:
@@ -70,25 +59,19 @@ def measure(finger: SyntheticFinger, *, marked: bool) -> PhotographFit | None:
     return finger_shapes.measure(finger.pixels, finger.face, finger.mm_per_px, palmar, points)
 
 
-def trial(seed: int, *, marked: bool) -> Trial | None:
-    """Measure one finger, None where that is refused."""
+def trial(seed: int, *, marked: bool) -> tuple[float, list[Row]]:
+    """Measure one finger, and return the extent of its arc, degrees, and errors, none where it is refused."""
     cv2.setNumThreads(1)
     truth = random_finger(seed, 60 if marked else 120)
     found = measure(truth, marked=marked)
-    if found is None:
-        return None
-    return Trial(
-        arc_deg=float(np.degrees(truth.arc[1] - truth.arc[0])),
-        errors=found.semi_axes / np.array(truth.semi_axes) - 1,
-        stds=np.sqrt(np.diagonal(found.covariance)) / found.semi_axes,
-        flagged=bool(found.flags),
-    )
+    rows = rows_of(found.semi_axes, truth.semi_axes, found.covariance, found.flags) if found else []
+    return float(np.degrees(truth.arc[1] - truth.arc[0])), rows
 
 
-def _interval(size: Array, repeats: int = 2000) -> tuple[float, float]:
+def _interval(size: Array) -> tuple[float, float]:
     """Return the 95 % interval of what 95 % of the errors are within, by drawing photographs again."""
     rng = np.random.default_rng(0)
-    drawn = size[rng.integers(len(size), size=(repeats, len(size)))].reshape(repeats, -1)
+    drawn = size[rng.integers(len(size), size=(2000, len(size)))].reshape(2000, -1)
     low, high = np.quantile(np.quantile(drawn, 0.95, axis=1), [0.025, 0.975])
     return float(low), float(high)
 
@@ -97,23 +80,20 @@ def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
     """Print errors, stated uncertainties and coverage by the arc's extent."""
     with ProcessPoolExecutor(2) as pool:
         trials = list(pool.map(partial(trial, marked=marked), range(first, first + count), chunksize=8))
-    done = [one for one in trials if one is not None]
+    done = [(arc_deg, rows) for arc_deg, rows in trials if rows]
 
     def cells() -> Iterator[tuple[object, ...]]:
         for low, high in (*ARCS_DEG, (60, 180)):
-            some = [one for one in done if low <= one.arc_deg <= high]
-            if some:
-                errors, stds = (np.array([getattr(one, name) for one in some]) for name in ("errors", "stds"))
+            some = np.array([rows for arc_deg, rows in done if low <= arc_deg <= high])
+            if some.size:
+                errors, stds, flagged = np.moveaxis(some, -1, 0)
                 size = np.abs(errors)
-                middle, flagged = percent(float(np.median(size))), share([one.flagged for one in some])
-                most = percent(float(np.quantile(size, 0.95)))
+                middle, most = (percent(float(np.quantile(size, part))) for part in (0.5, 0.95))
                 between = " to ".join(map(percent, _interval(size)))
-                yield f"{low}–{high}°", len(some), middle, most, between, stated(errors, stds), flagged
+                yield f"{low}–{high}°", len(some), middle, most, between, stated(errors, stds), share(flagged)
 
     way = "Nine marks, the arc's ends among them" if marked else "Arc found automatically, from 120°"
-    columns = (
-        "arc", "faces", "median error", "95 % within", "known to", "stated, held", "flagged"
-    )  # fmt: skip
+    columns = "arc", "faces", "median error", "95 % within", "known to", "stated, held", "flagged"
     table(columns, cells(), f"{way}: {count} photographs, {count - len(done)} refused")
 
 

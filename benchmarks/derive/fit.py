@@ -4,18 +4,18 @@ import dataclasses
 import inspect
 import pkgutil
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import least_squares, minimize
 
 from benchmarks.arrays import Array, Rng
 
-_ROUNDS, _STEP, _MOST, _RESAMPLED = 5, 0.1, 0.5, 60
-_CLIMBS, _SMALL_STEP = 10, 0.01
+_ROUNDS, _STEP, _RESAMPLED = 8, 0.1, 60
+_CLIMBS, _SMALL_STEP = 30, 0.01
 _LEAST_STD = 1e-6
 _T_SCALE = 0.815  # of the Student t of 4 degrees of freedom nearest to a normal distribution of std 1
 _OUTLIER = 3.0  # robust standard deviations beyond which an error counts less
@@ -89,47 +89,35 @@ def _values(model: Any, fields: tuple[str, ...]) -> Array:
 def _least_squares(
     problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: Rng
 ) -> tuple[Any, Array]:
-    """Move fields by damped steps of Gauss and Newton, outliers weighted down, while the errors become less.
+    """Move fields until the errors are least, outliers weighted down.
 
     Pixels are counted: steps of a tenth of a value show the slope, where tiny ones show none.
     """
-    values = _values(model, fields)
-    size = np.maximum(np.abs(values), 0.05)
+    start, size, bounds = _scaled(model, fields)
 
     def errors_of(at: Array) -> Array:
-        return problem.compare(changed(model, fields, at), sample).errors
+        return problem.compare(changed(model, fields, start + (at - 1) * size), sample).errors
 
-    errors = errors_of(values)
-    for _ in range(_ROUNDS):
-        spread = 1.4826 * float(np.median(np.abs(errors))) + 1e-12
-        weight = np.sqrt(np.minimum(1, _OUTLIER * spread / np.maximum(np.abs(errors), 1e-12)))
-        columns = [errors_of(values + _STEP * s) - errors for s in np.diag(size)]
-        slope = np.stack(columns, axis=1) / _STEP
-        move = _solved(slope, -errors, weight).clip(-_MOST, _MOST)
-        cost = float(np.sum((weight * errors) ** 2))
-        for place in _shortened(values, move * size):
-            tried = errors_of(place)
-            if np.sum((weight * tried) ** 2) < cost:
-                values, errors = place, tried
-                break
-        else:
-            break
-        if np.sum((weight * errors) ** 2) > 0.999 * cost:
-            break
+    at = np.ones(len(fields))
+    spread = 1.4826 * float(np.median(np.abs(errors_of(at)))) + 1e-12
+    at = least_squares(
+        errors_of, at, bounds=(bounds, np.inf), diff_step=_STEP, loss="huber", f_scale=_OUTLIER * spread,
+        ftol=1e-3, max_nfev=_ROUNDS,
+    ).x  # fmt: skip
+    errors = errors_of(at)
+    slope = np.stack([errors_of(at + step) - errors for step in _STEP * np.eye(len(at))], axis=1) / _STEP
+    weight = np.sqrt(np.minimum(1, _OUTLIER * spread / np.maximum(np.abs(errors), 1e-12)))
+    slope, errors = slope * weight[:, None], errors * weight
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
-    moved = [_solved(slope[each], -errors[each], weight[each]) for each in draws]
-    return changed(model, fields, values), np.std(moved, axis=0) * size
+    moved = [np.linalg.lstsq(slope[each], -errors[each], rcond=1e-6)[0] for each in draws]
+    return changed(model, fields, start + (at - 1) * size), np.std(moved, axis=0) * size
 
 
-def _shortened(values: Array, move: Array) -> Iterator[Array]:
-    """Yield where ever shorter moves lead; what is positive stays so."""
-    for share in (1.0, 0.5, 0.25, 0.1):
-        place = values + share * move
-        yield np.where(values > 0, np.maximum(place, values / 4), place)
-
-
-def _solved(slope: Array, target: Array, weight: Array) -> Array:
-    return np.linalg.lstsq(slope * weight[:, None], target * weight, rcond=1e-6)[0]
+def _scaled(model: Any, fields: tuple[str, ...]) -> tuple[Array, Array, Array]:
+    """Return values, the unit of a change of each, and how low each may go from 1 in these units."""
+    values = _values(model, fields)
+    size = np.maximum(np.abs(values), 0.05)
+    return values, size, np.where(values > 0, 1 - values / size, -np.inf)
 
 
 def _costs(errors: Array, variance: Array) -> Array:
@@ -144,32 +132,22 @@ def _costs(errors: Array, variance: Array) -> Array:
 def _scoring(
     problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], _: Rng
 ) -> tuple[Any, Array]:
-    """Move fields while the errors become likelier, by steps of Berndt, Hall, Hall and Hausman.
+    """Move fields until the errors are likeliest; the scores of single errors give those of the values."""
+    start, size, bounds = _scaled(model, fields)
 
-    The scores of single errors make the information, which gives the step and the errors of the values.
-    """
-    values = _values(model, fields)
-
-    def cost_at(at: Array) -> Array:
-        errors, stds = problem.compare(changed(model, fields, at), sample)
+    def costs_at(at: Array) -> Array:
+        errors, stds = problem.compare(changed(model, fields, start + (at - 1) * size), sample)
         return _costs(errors, stds**2)
 
-    costs = cost_at(values)
-    for _round in range(_CLIMBS):
-        size = np.maximum(np.abs(values), 0.01)
-        slopes = [cost_at(values + s) - cost_at(values - s) for s in _SMALL_STEP * np.diag(size)]
-        scores = np.stack(slopes, axis=1) / (2 * _SMALL_STEP)
-        inverse = np.linalg.pinv(scores.T @ scores, rcond=1e-6, hermitian=True)
-        move = (-inverse @ scores.sum(axis=0)).clip(-_MOST, _MOST)
-        before = costs.sum()
-        for place in _shortened(values, move * size):
-            tried = cost_at(place)
-            if tried.sum() < before:
-                values, costs = place, tried
-                break
-        if costs.sum() > before - 0.1:
-            break
-    return changed(model, fields, values), np.sqrt(np.diagonal(inverse)) * size
+    at = minimize(
+        lambda at: costs_at(at).sum(), np.ones(len(fields)), method="L-BFGS-B", jac="3-point",
+        bounds=[(low, None) for low in bounds],
+        options={"finite_diff_rel_step": _SMALL_STEP, "maxiter": _CLIMBS, "ftol": 1e-4},
+    ).x  # fmt: skip
+    slopes = [costs_at(at + step) - costs_at(at - step) for step in _SMALL_STEP * np.eye(len(at))]
+    scores = np.stack(slopes, axis=1) / (2 * _SMALL_STEP)
+    inverse = np.linalg.pinv(scores.T @ scores, rcond=1e-6, hermitian=True)
+    return changed(model, fields, start + (at - 1) * size), np.sqrt(np.diagonal(inverse)) * size
 
 
 def _likelihood(

@@ -4,21 +4,16 @@ Values, types, keys and bytes are changed at random. Each command must give a re
 refuse in words.
 """
 
-import csv
 import random
 import shutil
 import signal
 import traceback
-from collections import Counter
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from typer.testing import CliRunner
 
-from benchmarks.robustness.damaged_studies import DEMO, in_bytes, in_cells, in_json, in_toml
+from benchmarks.robustness.damaged_studies import DEMO, Outcomes, damaged
 from fingerpad.cli import app
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
@@ -55,61 +50,51 @@ ROWS: Final = (
 )
 
 
+DAMAGED: Final = (
+    "demo/study.toml", "demo/observations.csv", "small/study.toml", "small/observations.csv", "Results.csv",
+    "curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv",
+)  # fmt: skip
+
+
 class TooLate(BaseException):
     """A command took longer than it may."""
-
-
-@dataclass(slots=True)
-class Outcomes:
-    """What commands did: counts of outcomes by command, and the faults."""
-
-    counts: Counter[tuple[str, str]] = field(default_factory=Counter)
-    faults: list[str] = field(default_factory=list)
-
-    def add(self, label: str, *arguments: object) -> str:
-        """Run a command in this process and count what became of it."""
-        before = signal.signal(signal.SIGALRM, _too_late)
-        signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
-        try:
-            done = CliRunner().invoke(app, [str(one) for one in arguments])
-            unforeseen = "this cannot be done (" in done.stderr or "Traceback" in done.stderr
-            if unforeseen or not isinstance(done.exception, SystemExit | None):
-                outcome = "traceback"
-                trace = "".join(traceback.format_exception(done.exception)[-3:])
-                self.faults.append(f"{label}: {arguments}: {done.stderr.strip()} {trace}")
-            elif done.exit_code in {0, 3}:
-                outcome = "accepted"
-            else:
-                outcome = "refused"
-                if not done.stderr.strip():
-                    self.faults.append(f"{label}: {arguments}: refused without a word")
-        except TooLate:
-            outcome = "hang"
-            self.faults.append(f"{label}: {arguments}: over {PATIENCE_S:g} s")
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, before)
-        self.counts[str(arguments[0]), outcome] += 1
-        return outcome
 
 
 def _too_late(*_: object) -> None:
     raise TooLate
 
 
-def _mutated(content: bytes, change: Callable[[str, random.Random], str], rng: random.Random) -> bytes:
-    for _ in range(rng.choice((1, 1, 2))):
-        if rng.random() < 0.15:
-            content = in_bytes(content, rng)
-        else:
-            with suppress(ValueError, TypeError, RecursionError, IndexError, AttributeError, csv.Error):
-                content = change(content.decode(), rng).encode("utf-8", "surrogateescape")
-    return content
+def _run(*arguments: object) -> tuple[str, str]:
+    """Run a command in this process; return what became of it, and what the program is to blame for."""
+    before = signal.signal(signal.SIGALRM, _too_late)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
+    try:
+        done = CliRunner().invoke(app, [str(one) for one in arguments])
+    except TooLate:
+        return "hang", f"over {PATIENCE_S:g} s"
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    unforeseen = "this cannot be done (" in done.stderr or "Traceback" in done.stderr
+    if unforeseen or not isinstance(done.exception, SystemExit | None):
+        trace = "".join(traceback.format_exception(done.exception)[-3:])
+        return "traceback", f"{done.stderr.strip()} {trace}"
+    if done.exit_code in {0, 3}:
+        return "accepted", ""
+    return "refused", "" if done.stderr.strip() else "refused without a word"
 
 
 def try_commands(folder: Path, count: int) -> Outcomes:
-    """Damage a study so many times, and run each command on it."""
+    """Damage a study so many times, and run each command on it; outcomes are by command."""
     found = Outcomes()
+
+    def run(*arguments: object) -> str:
+        outcome, fault = _run(*arguments)
+        found.counts[str(arguments[0]), outcome] += 1
+        if fault:
+            found.faults.append(f"seed {seed}: {arguments}: {fault}")
+        return outcome
+
     shutil.copytree(DEMO, folder / "demo")
     (folder / "small").mkdir()
     for name, text in (("study.toml", SMALL), ("observations.csv", ROWS)):
@@ -117,33 +102,21 @@ def try_commands(folder: Path, count: int) -> Outcomes:
     (folder / "Results.csv").write_text(RESULTS, encoding="utf-8")
     shutil.copy(next((DEMO / "synthetic").glob("curve_*.csv")), folder / "curve.csv")
     run_study(folder / "small", folder / "whole", write_report=write_report)
-    changes = {"toml": in_toml, "csv": in_cells, "json": in_json}
-    targets = [
-        folder / name
-        for name in (
-            *("demo/study.toml", "demo/observations.csv", "small/study.toml", "small/observations.csv"),
-            *("Results.csv", "curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv"),
-        )
-    ]
-    originals = {path: path.read_bytes() for path in targets}
+    originals = {path: path.read_bytes() for path in (folder / name for name in DAMAGED)}
     for seed in range(count):
         rng = random.Random(seed)
         for path, content in originals.items():
-            spared = rng.random() < 0.6
-            path.write_bytes(content if spared else _mutated(content, changes[path.suffix[1:]], rng))
-        label = f"seed {seed}"
-        found.add(label, "status", folder / "demo", "--out", folder / "none")
-        found.add(label, "verify", folder / "small", "--out", folder / "whole")
-        found.add(label, "compare", folder / "whole")
+            path.write_bytes(content if rng.random() < 0.6 else damaged(path.name, content, rng))
+        run("status", folder / "demo", "--out", folder / "none")
+        run("verify", folder / "small", "--out", folder / "whole")
+        run("compare", folder / "whole")
         out = folder / "imported.csv"
-        found.add(
-            label, "import", "fiji", folder / "Results.csv", "--std-mm", 0.1, "--ppi", 500, "--out", out
-        )
+        run("import", "fiji", folder / "Results.csv", "--std-mm", 0.1, "--ppi", 500, "--out", out)
         out.unlink(missing_ok=True)
-        valid = found.add(label, "status", folder / "small", "--out", folder / "none") == "accepted"
+        valid = run("status", folder / "small", "--out", folder / "none") == "accepted"
         if valid and not seed % RUN_EVERY:
-            found.add(label, "run", folder / "small", "--out", folder / "out")
+            run("run", folder / "small", "--out", folder / "out")
             shutil.rmtree(folder / "out", ignore_errors=True)
         if not seed % FIT_EVERY:
-            found.add(label, "fit", folder / "curve.csv")
+            run("fit", folder / "curve.csv")
     return found

@@ -11,8 +11,9 @@ import json
 import random
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -150,49 +151,42 @@ def in_bytes(content: bytes, rng: random.Random) -> bytes:
     return content[:start] + put + content[end:]
 
 
-@dataclass(frozen=True, slots=True)
-class _Target:
-    """A file of a study, how its values are changed, and how often it is chosen."""
-
-    name: str
-    change: Callable[[str, random.Random], str] | None
-    weight: int
+# How values are changed in a file, by its ending.
+_CHANGES: Final = {".toml": in_toml, ".csv": in_cells, ".json": in_json, ".jsonl": _in_lines}
 
 
-TARGETS: Final = (
-    _Target("study.toml", in_toml, 15),
-    _Target("observations.csv", in_cells, 3),
-    _Target(CORRECTIONS_NAME, _in_lines, 3),
-    _Target("results/summary.json", in_json, 4),
-    _Target("results/results.csv", in_cells, 4),
-    _Target("results/store.sqlite", None, 1),
-)
+def damaged(name: str, content: bytes, rng: random.Random) -> bytes:
+    """Return a file's content with one of its values or some of its bytes changed."""
+    suffix = Path(name).suffix
+    if suffix in _CHANGES and rng.random() >= 0.15:
+        # what cannot be written cannot be read either
+        with suppress(ValueError, TypeError, RecursionError, IndexError, AttributeError, csv.Error):
+            return _CHANGES[suffix](content.decode(), rng).encode("utf-8", "surrogateescape")
+    return in_bytes(content, rng)
+
+
+# Files of a study, and how often each is chosen.
+TARGETS: Final = {
+    "study.toml": 15, "observations.csv": 3, CORRECTIONS_NAME: 3, "results/summary.json": 4,
+    "results/results.csv": 4, "results/store.sqlite": 1,
+}  # fmt: skip
 
 
 def mutated(originals: dict[str, bytes], seed: int) -> dict[str, bytes | None]:
     """Return the new contents of one to three files of a study, None for one that is gone."""
     rng = random.Random(seed)
     found: dict[str, bytes | None] = {}
-    for _ in range(rng.choice((1, 1, 2, 3))):
-        (target,) = rng.choices(TARGETS, [one.weight for one in TARGETS])
-        before = found.get(target.name, originals[target.name])
-        if before is None or rng.random() < 0.01:
-            found[target.name] = None
-        elif target.change is None or rng.random() < 0.15:
-            found[target.name] = in_bytes(before, rng)
-        else:
-            try:
-                found[target.name] = target.change(before.decode(), rng).encode("utf-8", "surrogateescape")
-            except (ValueError, TypeError, RecursionError):  # what cannot be written cannot be read either
-                found[target.name] = in_bytes(before, rng)
+    for name in rng.choices([*TARGETS], [*TARGETS.values()], k=rng.choice((1, 1, 2, 3))):
+        before = found.get(name, originals[name])
+        found[name] = None if before is None or rng.random() < 0.01 else damaged(name, before, rng)
     return found
 
 
-@dataclass(slots=True, kw_only=True)
-class Answers:
-    """How many answers had each status, and what the server is to blame for, late answers too."""
+@dataclass(slots=True)
+class Outcomes:
+    """How often each thing happened, as the status of an answer, and what the program is to blame for."""
 
-    by_status: Counter[int] = field(default_factory=Counter)
+    counts: Counter[Any] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
 
 
@@ -208,7 +202,7 @@ def routes() -> list[tuple[str, dict[str, Any]]]:
     return found
 
 
-async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:
+async def ask_all(workspace: Workspace, answers: Outcomes, label: str, *, slow: bool) -> None:
     """Ask every GET route about the study that is open, but for the events, which have no end."""
     app = httpx.ASGITransport(make_app(workspace, Access(TOKEN)), raise_app_exceptions=False)
     head = {"authorization": f"Bearer {TOKEN}"}
@@ -221,18 +215,18 @@ async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: b
                 status, body = answer.status_code, answer.text[:300]
             except TimeoutError:
                 status, body = 0, f"no answer within {PATIENCE_S:g} s"
-            answers.by_status[status] += 1
+            answers.counts[status] += 1
             if not 200 <= status < 500:
                 answers.faults.append(f"{label}: {path} {query}: {status} {body}")
 
 
-def ask_mutated(folder: Path, count: int) -> Answers:
+def ask_mutated(folder: Path, count: int) -> Outcomes:
     """Change a study `count` times, and ask every GET route each time; the folder is as before in the end.
 
     Every other study is opened before it is changed. Routes that cost much are asked of the first.
     """
-    originals = {target.name: (folder / target.name).read_bytes() for target in TARGETS}
-    answers = Answers()
+    originals = {name: (folder / name).read_bytes() for name in TARGETS}
+    answers = Outcomes()
     for seed in range(count):
         new = mutated(originals, seed)
         workspace = Workspace(folder.parent)

@@ -9,7 +9,6 @@ properties, cached functions and the constants of modules, where much of the sci
 
 import argparse
 import ast
-import json
 import os
 import random
 import shutil
@@ -17,16 +16,16 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections import Counter, defaultdict
-from collections.abc import Iterator
-from contextlib import suppress
+from collections import defaultdict
+from collections.abc import Sequence
+from contextlib import chdir
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeAlias
 
 import pytest
 
-Mutant: TypeAlias = dict[str, Any]
 Place: TypeAlias = tuple[int, int]
 
 ROOT: Final = Path(__file__).parents[2]
@@ -44,7 +43,7 @@ PACKAGES: Final = {
         "src/fingerpad/study/results", [f"tests/study/test_{name}.py" for name in RESULTS_TESTS.split()]
     ),
 }  # fmt: skip
-# Operators replace each other within a row: between rows most mutants fail at once.
+# What two operators replace each other within a row: between rows most mutants fail at once.
 _ROWS: Final = ("Add Sub Mul Div FloorDiv Mod Pow", "BitOr BitAnd", "Eq NotEq Lt LtE Gt GtE", "Is IsNot")
 _SINGLE: Final = (
     "AddNot NumberReplacer ReplaceAndWithOr ReplaceBreakWithContinue ReplaceContinueWithBreak "
@@ -53,17 +52,17 @@ _SINGLE: Final = (
 )
 
 
-def _operators() -> dict[str, Any]:
-    from cosmic_ray.operators.provider import OperatorProvider  # noqa: PLC0415 (need not be installed)
-
-    provider = OperatorProvider()
-    pairs = [{one, other} for row in map(str.split, _ROWS) for one in row for other in row if one != other]
-    swaps = [name for name in provider if name.count("_") == 2 and set(name.split("_")[1:]) in pairs]
-    return {name: provider[name]() for name in (*swaps, *_SINGLE.split())}
+def _is_tried(operator: str) -> bool:
+    """Whether an operator, as core/ReplaceBinaryOperator_Add_Sub, makes mutants that are worth a test."""
+    name, *changed = operator.removeprefix("core/").split("_")
+    within_row = len(changed) == 2 and any(set(changed) <= set(row.split()) for row in _ROWS)
+    return within_row or "_".join([name, *changed]) in _SINGLE.split()
 
 
-def _spared(source: str) -> Iterator[tuple[Place, Place]]:
-    """Yield the first and last place (line, column in characters) of what is not mutated."""
+@cache
+def _spared(path: Path) -> list[tuple[Place, Place]]:
+    """Return the first and last place (line, column in characters) of each part that is not mutated."""
+    source, found = path.read_text(encoding="utf-8"), []
     lines = source.splitlines()
     for node in ast.walk(ast.parse(source)):
         parts = [getattr(node, "annotation", None), getattr(node, "returns", None)]
@@ -77,52 +76,24 @@ def _spared(source: str) -> Iterator[tuple[Place, Place]]:
         for part in filter(None, parts):
             ends = (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
             first, last = ((row, len(lines[row - 1].encode()[:column].decode())) for row, column in ends)
-            yield first, last
-
-
-def mutants_of(path: Path) -> dict[Place, list[Mutant]]:
-    """Return all mutants of a module by their place."""
-    from cosmic_ray.ast import ast_nodes, get_ast  # noqa: PLC0415
-
-    source = path.read_text(encoding="utf-8")
-    spared, counts = list(_spared(source)), Counter[str]()
-    found: dict[Place, list[Mutant]] = defaultdict(list)
-    operators = _operators()
-    for node in ast_nodes(get_ast(source)):
-        for name, operator in operators.items():
-            for start, _ in operator.mutation_positions(node):
-                if not any(first <= start < last for first, last in spared):
-                    found[start].append({"line": start[0], "operator": name, "occurrence": counts[name]})
-                counts[name] += 1
+            found.append((first, last))
     return found
 
 
-def mutate(source: str, mutant: Mutant) -> str:
-    """Return the source with one change."""
-    from cosmic_ray.mutating import mutate_code  # noqa: PLC0415
-
-    return str(mutate_code(source, _operators()[mutant["operator"]], mutant["occurrence"]))
-
-
-def sample_mutants(copy: Path, folder: str, count: int, seed: int) -> list[Mutant]:
+def sample_mutants(items: Sequence[Any], count: int, seed: int) -> list[Any]:
     """Draw mutants of each module in proportion to its places, at least one."""
-    rng, sample = random.Random(seed), []
-    modules = {path: mutants_of(path) for path in sorted((copy / folder).rglob("*.py"))}
-    total = sum(map(len, modules.values()))
-    for path, places in modules.items():
-        source, drawn = path.read_text(encoding="utf-8"), []
-        for place in rng.sample(sorted(places), len(places)):
-            mutant = {"file": str(path.relative_to(copy)), **rng.choice(places[place])}
-            changed = mutate(source, mutant)
-            with suppress(SyntaxError):
-                compile(changed, str(path), "exec")
-                lines = zip(source.splitlines(), changed.splitlines(), strict=False)
-                before, after = next(pair for pair in lines if pair[0] != pair[1])
-                drawn.append({**mutant, "before": before.strip(), "after": after.strip()})
-            if len(drawn) >= max(1, round(count * len(places) / total)):
-                break
-        sample += drawn
-    return sample
+    places: dict[Path, dict[Place, list[Any]]] = defaultdict(lambda: defaultdict(list))
+    for item in items:
+        (mutation,) = item.mutations
+        spared = any(first <= mutation.start_pos < last for first, last in _spared(mutation.module_path))
+        if _is_tried(mutation.operator_name) and not spared:
+            places[mutation.module_path][mutation.start_pos].append(item)
+    rng, total = random.Random(seed), sum(map(len, places.values()))
+    return [
+        rng.choice(found[place])
+        for _, found in sorted(places.items())
+        for place in rng.sample(sorted(found), max(1, round(count * len(found) / total)))
+    ]
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
@@ -131,79 +102,64 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
         item.session.shouldstop = "time is spent"
 
 
-def _pytest(
-    copy: Path, paths: list[str], *options: str, seconds: float | None = None, **environment: str
-) -> tuple[int, str]:
-    """Run those tests of the copy that a change reaches; return pytest's exit code and what it printed."""
-    command = ["-m", "pytest", "-xq", "-n0", "-p", "testmon.pytest_testmon", "--testmon-forceselect"]
-    known = {"PYTHONPATH": f"{copy / 'src'}:{copy}", "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(
-        [sys.executable, *command, *options, *paths],
-        cwd=copy,
-        env=os.environ | known | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=seconds,
-    )
-    return done.returncode, done.stdout + done.stderr
+def run_package(name: str, session: Path, count: int, seed: int, *, survivors: bool) -> None:
+    """Test mutants of a package, a new sample or what survived before, and keep what became of each."""
+    from cosmic_ray.commands import init  # noqa: PLC0415 (need not be installed)
+    from cosmic_ray.mutating import mutate_and_test  # noqa: PLC0415
+    from cosmic_ray.work_db import use_db  # noqa: PLC0415
 
-
-def outcome_of(copy: Path, mutant: Mutant, paths: list[str]) -> str:
-    """Return ``killed`` with the test that fails, or ``survived``."""
-    path = copy / mutant["file"]
-    source = path.read_text(encoding="utf-8")
-    path.write_text(mutate(source, mutant), encoding="utf-8")
-    options = "--testmon-nocollect", "-p", __spec__.name
-    try:
-        code, printed = _pytest(copy, paths, *options, seconds=10 * SECONDS, MUTANT="1")
-    except subprocess.TimeoutExpired:
-        return "killed: time"
-    finally:
-        path.write_text(source, encoding="utf-8")
-    if code == pytest.ExitCode.NO_TESTS_COLLECTED:
-        return "survived: no test reaches it"
-    if code in {pytest.ExitCode.OK, pytest.ExitCode.INTERRUPTED}:
-        return "survived"
-    failed = [line for line in printed.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return f"killed: {failed[0] if failed else code}"
-
-
-def run_package(name: str, count: int, seed: int, sample: list[Mutant] | None) -> list[Mutant]:
-    """Return a sample of a package's mutants, a new one unless given, with what became of each."""
-    folder, paths = PACKAGES[name]
-    with TemporaryDirectory(prefix="mutants-") as temporary:
-        copy = Path(temporary).resolve()
+    folder, tests = PACKAGES[name]
+    command = [sys.executable, "-m", "pytest", "-xq", "-n0", "-p", "testmon.pytest_testmon"]
+    with TemporaryDirectory(prefix="mutants-") as copy, chdir(copy), use_db(session) as database:
         for part in ("src", "tests", "benchmarks", "examples", "docs"):
-            shutil.copytree(ROOT / part, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(ROOT / part, part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "pyproject.toml", copy)
-        paths = [folder, *(path for path in paths if (copy / path).exists())]
-        code, printed = _pytest(copy, paths)
-        if code:
-            raise SystemExit(f"the tests fail without a mutant:\n{printed[-3000:]}")
-        sample = sample or sample_mutants(copy, folder, count, seed)
-        for number, mutant in enumerate(sample, 1):
-            mutant["outcome"] = outcome_of(copy, mutant, paths)
-            where = f"{mutant['file'].removeprefix('src/fingerpad/')}:{mutant['line']}"
-            print(f"{number}/{len(sample)} {where} {mutant['after']}  # {mutant['outcome']}", flush=True)
-    return sample
+        os.environ |= {"PYTHONPATH": f"{copy}/src:{copy}", "PYTHONDONTWRITEBYTECODE": "1"}
+        command += ["--testmon-forceselect", folder, *(path for path in tests if Path(path).exists())]
+        if subprocess.run(command, check=False).returncode:
+            raise SystemExit("the tests fail without a mutant")
+        if survivors:
+            survived = {job for job, result in database.results if not result.is_killed}
+            sample = [item for item in database.work_items if item.job_id in survived]
+        else:
+            init(sorted(Path(folder).rglob("*.py")), database, {})
+            sample = sample_mutants(database.work_items, count, seed)
+        # That no test reaches a mutant (5), and that their time is spent (2), are no failures of a test.
+        quoted = " ".join([*command, "--testmon-nocollect", "-p", __spec__.name])
+        tried = f"sh -c 'MUTANT=1 {quoted}; case $? in 0|2|5) exit 0;; esac; exit 1'"
+        for number, item in enumerate(sample, 1):
+            result = mutate_and_test(item.mutations, tried, 10 * SECONDS)
+            if "SyntaxError" not in result.output:  # such a mutant is none
+                database.set_result(item.job_id, result)
+            (mutation,) = item.mutations
+            where = f"{mutation.module_path}:{mutation.start_pos[0]} {mutation.operator_name}"
+            print(f"{number}/{len(sample)} {where}  # {result.test_outcome.value}", flush=True)
 
 
-def print_score(name: str, sample: list[Mutant]) -> None:
+def print_score(name: str, session: Path) -> None:
     """Print how many of a package's mutants survive, and those that are not known to be equivalent."""
+    from cosmic_ray.work_db import use_db  # noqa: PLC0415
+
     known = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["mutants"]
     equivalent = {(one["file"], one["after"]) for one in known}
-    survived = [one for one in sample if one["outcome"].startswith("survived")]
-    left = [one for one in survived if (one["file"], one["after"]) not in equivalent]
-    score = 1 - len(left) / max(1, len(sample) - len(survived) + len(left))
-    print(f"\n{name}: {len(sample)} mutants, {len(sample) - len(survived)} killed, ", end="")
+    with use_db(session) as database:
+        modules = {item.job_id: str(item.mutations[0].module_path) for item in database.work_items}
+        results = [(modules[job], result) for job, result in database.results]
+    survived = [(module, result.diff) for module, result in results if not result.is_killed]
+    left = [
+        (module, diff)
+        for module, diff in survived
+        if not any((module, line[1:].strip()) in equivalent for line in diff.splitlines() if line[:1] == "+")
+    ]
+    score = 1 - len(left) / max(1, len(results) - len(survived) + len(left))
+    print(f"\n{name}: {len(results)} mutants, {len(results) - len(survived)} killed, ", end="")
     print(f"{len(survived) - len(left)} equivalent, {len(left)} survive: {score:.0%}")
-    for one in left:
-        print(f"  {one['file']}:{one['line']}\n    - {one['before']}\n    + {one['after']}")
+    for _, diff in left:
+        print(diff)
 
 
 def main() -> None:
-    """Draw and test mutants, write what became of them, and print the score of each package."""
+    """Draw and test mutants, keep what became of them, and print the score of each package."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.robustness.mutation_testing", description=main.__doc__
     )
@@ -219,13 +175,9 @@ def main() -> None:
     out = asked.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     for name in asked.packages:
-        file, sample = out / f"{name}.json", None
-        if asked.survivors:
-            sample = json.loads(file.read_text(encoding="utf-8"))
-            run_package(name, 0, 0, [one for one in sample if one["outcome"].startswith("survived")])
-        sample = sample or run_package(name, asked.count, asked.seed, None)
-        file.write_text(json.dumps(sample, indent=1, ensure_ascii=False), encoding="utf-8")
-        print_score(name, sample)
+        session = out / f"{name}.sqlite"
+        run_package(name, session, asked.count, asked.seed, survivors=asked.survivors)
+        print_score(name, session)
 
 
 if __name__ == "__main__":

@@ -85,4 +85,4 @@ def test_studies_mutated_at_random_are_answered(folder, count):
     add_corrections(folder)
     answers = ask_mutated(folder, count)
     assert answers.faults == []
-    assert sum(answers.by_status.values()) > 20 * count
+    assert sum(answers.counts.values()) > 20 * count
