@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.arrays import Array, Rng
 from benchmarks.simulated import contact, finger, study_of
@@ -43,18 +44,11 @@ class Population(NamedTuple):
     repeat: float = 0.05
 
 
-class Draws(NamedTuple):
-    """Logarithms of one study, with the person, finger and session of each (finger and session count on)."""
+def draw_study(population: Population, design: Design, rng: Rng) -> pd.DataFrame:
+    """Draw a study: each person, finger, session and repeat once from the population.
 
-    person: Array
-    finger: Array
-    session: Array
-    of_finger: Array
-    log_value: Array
-
-
-def draw_study(population: Population, design: Design, rng: Rng) -> Draws:
-    """Draw a study: each person, finger, session and repeat once from the population."""
+    Rows have a logarithm with that of its finger, and person, finger and session (the last two count on).
+    """
     rows: list[tuple[float, ...]] = []
     finger = session = 0
     for person, fingers in enumerate(design):
@@ -67,20 +61,20 @@ def draw_study(population: Population, design: Design, rng: Rng) -> Draws:
                 rows += [(person, finger, session, of_finger, value) for value in values]
                 session += 1
             finger += 1
-    return Draws(*np.array(rows).T)
+    return pd.DataFrame(rows, columns=["person", "finger", "session", "of_finger", "log_value"])
 
 
-def component_coverage(population: Population, design: Design, studies: int, seed: int = 0) -> Held:
+def component_coverage(population: Population, design: Design, studies: int) -> Held:
     """Return whether each interval of a study holds the truth, where there is one."""
-    rng = np.random.default_rng([seed, 11])
+    rng = np.random.default_rng([0, 11])
     true = population._asdict()
     between = population.person**2 + population.finger**2
     icc = between / (between + population.session**2 + population.repeat**2)
     held: Held = defaultdict(list)
     for _ in range(studies):
         drawn = draw_study(population, design, rng)
-        levels = {"person": drawn.person, "finger": drawn.finger, "session": drawn.session}
-        found = nested_scatter(drawn.log_value, levels, between=("person", "finger"))
+        levels = {level: drawn[level].to_numpy() for level in ("person", "finger", "session")}
+        found = nested_scatter(drawn["log_value"].to_numpy(), levels, between=("person", "finger"))
         for level, one in found.components.items():
             if one.known:
                 truth = np.hypot.reduce([true[each] for each in (level, *one.includes)])
@@ -91,13 +85,13 @@ def component_coverage(population: Population, design: Design, studies: int, see
     return held
 
 
-def mean_coverage(population: Population, design: Design, studies: int, seed: int = 0) -> Held:
+def mean_coverage(population: Population, design: Design, studies: int) -> Held:
     """Return the same of area and modulus at each load, from measured ellipses to the pooled means.
 
     The logarithm that is drawn is that of the contact radius √(ℓd ℓe); the elongation scatters from repeat to
     repeat as much. Semi-axes have noise of `NOISE`, as stated.
     """
-    rng = np.random.default_rng([seed, 12])
+    rng = np.random.default_rng([0, 12])
     held: Held = defaultdict(list)
     fingers = [f"p{person}" for person, of in enumerate(design) for _ in of]
     persons = {f"f{number}": person for number, person in enumerate(fingers)}
@@ -108,12 +102,12 @@ def mean_coverage(population: Population, design: Design, studies: int, seed: in
         seen, truths = [], {}
         for load in LOADS:
             again = draw_repeats(population, drawn, rng)
-            for place, log_radius in enumerate(again + 0.25 * np.log(load)):
+            for row, log_radius in zip(drawn.itertuples(), again + 0.25 * np.log(load), strict=True):
                 elongation = ELONGATION + rng.normal(0, population.repeat)
-                where = f"f{drawn.finger[place]:.0f}", f"s{drawn.session[place]:.0f}"
+                where = f"f{row.finger}", f"s{row.session}"
                 log_axes = log_radius + np.array([0.5, -0.5]) * elongation
                 seen.append(_contact(rng, where, load, log_axes))
-                truths[where[0], load] = drawn.of_finger[place] + 0.25 * np.log(load)
+                truths[where[0], load] = row.of_finger + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = Rows(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
@@ -122,11 +116,11 @@ def mean_coverage(population: Population, design: Design, studies: int, seed: in
     return held
 
 
-def draw_repeats(population: Population, drawn: Draws, rng: Rng) -> Array:
+def draw_repeats(population: Population, drawn: pd.DataFrame, rng: Rng) -> Array:
     """Draw the same fingers under another load: the same sessions, new repeats."""
-    number = drawn.session.astype(int)
+    number = drawn["session"].to_numpy()
     of_session = rng.normal(0, population.session, number.max() + 1)
-    return drawn.of_finger + of_session[number] + rng.normal(0, population.repeat, number.size)
+    return drawn["of_finger"].to_numpy() + of_session[number] + rng.normal(0, population.repeat, number.size)
 
 
 def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[float, float], float]]:

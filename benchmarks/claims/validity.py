@@ -6,11 +6,12 @@ over bone the ratios of a circular contact on a bonded layer (ν = 0.5) by its c
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
@@ -115,15 +116,8 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
     return Pressed(float(area), float(elongation), float(indentation))
 
 
-class SimulatedStudy(NamedTuple):
-    """A simulated study of one finger, with the truth of its headlines."""
-
-    validity: ValidityRecord
-    truth: dict[str, float]
-
-
-def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
-    """Measure a pad with errors of every input, and return what the study says of the model."""
+def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, dict[str, float]]:
+    """Measure a pad with errors of every input; return what the study says, and what is true of it."""
     rng = np.random.default_rng([seed, 17])
     # Pads with the place of contact longer across the finger, as fingers have it.
     axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
@@ -139,8 +133,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
     highest = press(truth, radii, truth.loads[-1])
     radius = highest.area / (np.pi * highest.indentation)  # the sphere of the true area and indentation
-    true = {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
-    return SimulatedStudy(validity, true)
+    return validity, {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
 
 
 def _contacts(
@@ -192,53 +185,42 @@ def _curve(
     return curve_result(curve, Ellipsoid(*axes), 0.5, folder, scale=None, given=Uncertainty())
 
 
-@dataclass(slots=True)
-class Score:
-    """What the studies of one case came to; what intervals hold without the model's part stands apart."""
-
-    verdicts: list[str] = field(default_factory=list)
-    p_values: list[float] = field(default_factory=list)
-    covered: dict[str, list[bool]] = field(default_factory=lambda: {name: [] for name in HEADLINES})
-    covered_without: dict[str, list[bool]] = field(default_factory=lambda: {name: [] for name in HEADLINES})
-
-    def add(self, one: SimulatedStudy) -> None:
-        """Add a study."""
-        self.verdicts.append(one.validity.verdict)
-        self.p_values += [check.p_value for check in one.validity.checks if np.isfinite(check.p_value)]
-        for name, truth in one.truth.items():
-            found = one.validity.headlines[name]
-            off = abs(found.value - truth)
-            self.covered[name].append(off < 1.96 * found.total_std)
-            self.covered_without[name].append(off < 1.96 * found.value_std)
-
-    def share(self, *verdicts: str) -> float:
-        """Return how often one of some verdicts was given."""
-        return float(np.mean([verdict in verdicts for verdict in self.verdicts]))
+def scored(validity: ValidityRecord, truth: dict[str, float]) -> dict[str, Any]:
+    """Return a verdict, its p-values, and whether intervals hold, with the model's part and without."""
+    p_values = [check.p_value for check in validity.checks if np.isfinite(check.p_value)]
+    row: dict[str, Any] = {"verdict": validity.verdict, "p_values": p_values}
+    for name, true in truth.items():
+        found = validity.headlines[name]
+        row[name] = abs(found.value - true) < 1.96 * found.total_std
+        row[f"{name} without"] = abs(found.value - true) < 1.96 * found.value_std
+    return row
 
 
-def scores(repeats: int, curve_repeats: int, cases: dict[str, Truth] = CASES) -> dict[str, Score]:
-    """Return the score of each case over simulated studies."""
-    found = {name: Score() for name in cases}
+def scores(repeats: int, curve_repeats: int, cases: dict[str, Truth] = CASES) -> dict[str, pd.DataFrame]:
+    """Return for each case what its simulated studies came to."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, truth in cases.items():
-            for seed in range(curve_repeats if truth.with_curve else repeats):
-                found[name].add(simulated(truth, seed, Path(folder)))
-    return found
+        return {
+            name: pd.DataFrame(
+                scored(*simulated(truth, seed, Path(folder)))
+                for seed in range(curve_repeats if truth.with_curve else repeats)
+            )
+            for name, truth in cases.items()
+        }
 
 
 def report(repeats: int = 200, curve_repeats: int = 30) -> None:
     """Print verdicts and coverage."""
     found = scores(repeats, curve_repeats)
 
-    def cells(score: Score) -> Iterator[str]:
-        yield from (f"{100 * score.share(word):.0f} %" for word in VERDICTS)
-        yield from (f"{share(score.covered[key])} ({share(score.covered_without[key])})" for key in HEADLINES)
+    def cells(studies: pd.DataFrame) -> Iterator[str]:
+        yield from (share(studies["verdict"] == word) for word in VERDICTS)
+        yield from (f"{share(studies[key])} ({share(studies[f'{key} without'])})" for key in HEADLINES)
 
     table(
         ("truth", "studies", *VERDICTS, "A/(πξ): held (without the model's part)", "E", "ξ"),
-        ((name, len(score.verdicts), *cells(score)) for name, score in found.items()),
+        ((name, len(studies), *cells(studies)) for name, studies in found.items()),
         "Verdicts on studies of four loads each, and intervals at the highest load",
     )
-    p_values = np.array([p for name in HOLDING for p in found[name].p_values])
+    p_values = np.concatenate([p for name in HOLDING for p in found[name]["p_values"]])
     below = [f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)]
     print(f"\nOf p where the model holds, {', '.join(below)}.")

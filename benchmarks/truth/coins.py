@@ -65,8 +65,7 @@ def scene(kind: str, seed: int) -> Scene:
     prism = kind == "washer on a prism"
     distance = rng.uniform(14, 40)
     tilt = rng.uniform(0.25, 0.55) if kind == "oblique" else rng.uniform(0, 0.25)
-    if prism:
-        tilt = rng.uniform(0.0, 0.75)
+    tilt = rng.uniform(0.0, 0.75) if prism else tilt
     radius_px = rng.uniform(62, 120)
     offset = rng.uniform(-0.25, 0.25, 2)
     if kind == "two coins":
@@ -76,22 +75,22 @@ def scene(kind: str, seed: int) -> Scene:
     origins, rays = _camera(distance, tilt, rng.uniform(0, 2 * math.pi), radius_px, offset)
 
     disc = _a_disc(kind, rng)
-    pale = _pale(kind, rng)
-    lamps = _lamps(kind, pale, rng)
+    # The table is dark or pale, and on a prism black or bright.
+    tables = ((0.01, 0.06), (0.5, 0.9)) if prism else ((0.04, 0.12), (0.6, 0.95))
+    lamps = _lamps(kind, float(rng.choice([rng.uniform(*one) for one in tables])), rng)
     if kind == "low contrast":
         level = 0.25 + float(_mirrored(UP, -UP, lamps, disc.roughness))
         contrast = rng.choice([rng.uniform(0.6, 0.78), rng.uniform(1.25, 1.6)])
         lamps = lamps._replace(table=disc.metal * level * contrast)
-    discs = [disc]
+    discs = [disc] if kind not in ("no coin", "a square") else []
     if kind == "two coins":
         second = _a_disc(kind, rng)
         x, y, size = -rng.uniform(2.15, 2.4), rng.uniform(-0.3, 0.3), rng.uniform(0.8, 1.1)
         discs.append(second._replace(x=x, y=y, size=size))
     ground_points = origins + rays * (-origins[2] / rays[2])
     light = _ground(kind, ground_points, discs, lamps, rng)
-    if kind not in ("no coin", "a square"):
-        for each in discs:
-            light = _with_disc(light, origins, rays, each, lamps)
+    for each in discs:
+        light = _with_disc(light, origins, rays, each, lamps)
     light = _with_neighbours(light, kind, ground_points, rng)
     if kind == "partly shadowed":
         light = light * _cast_shadow(ground_points, rng)
@@ -157,13 +156,6 @@ def _a_disc(kind: str, rng: Rng) -> Disc:
     )
 
 
-def _pale(kind: str, rng: Rng) -> float:
-    """Return how bright the table is: dark or pale, and on a prism black or bright."""
-    if kind == "washer on a prism":
-        return float(rng.choice([rng.uniform(0.01, 0.06), rng.uniform(0.5, 0.9)]))
-    return float(rng.choice([rng.uniform(0.04, 0.12), rng.uniform(0.6, 0.95)]))
-
-
 def _lamps(kind: str, table: float, rng: Rng) -> Lamps:
     hard = kind == "hard shadow"
     polar = rng.uniform(0.7, 1.15) if hard else rng.uniform(0.1, 0.9)
@@ -203,7 +195,8 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
     x, y = (place[k] + rays[k] * ((top - place[2]) / rays[2]) for k in (0, 1))
     distance = np.hypot(x, y)
     face = (distance <= disc.size) & (distance >= disc.hole)
-    window = _bounding_box(face)
+    left, upper, width, height = cv2.boundingRect(face.astype(np.uint8))
+    window = slice(upper, upper + height), slice(left, left + width)
     slopes = _slopes(x[window] / disc.size, y[window] / disc.size, disc)
     slope_x, slope_y = (slope[face[window]] for slope in slopes)
     normal = _unit(np.stack([-slope_x, -slope_y, np.ones_like(slope_x)]))
@@ -223,11 +216,6 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
     mirrored = _mirrored(outward, on_wall, lamps, disc.roughness)
     seen[wall] = disc.metal * (0.1 + 0.5 * height[wall] / top) * (0.25 + mirrored)
     return seen
-
-
-def _bounding_box(mask: Array) -> tuple[slice, slice]:
-    rows, columns = (np.flatnonzero(mask.any(axis=k)) for k in (1, 0))
-    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
 
 
 def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
@@ -250,10 +238,8 @@ def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
     height = cv2.GaussianBlur(height, (0, 0), 1.2) * disc.relief
     down, right = np.gradient(height, grid[1] - grid[0])
     at_x, at_y = (((one + 1.05) / (grid[1] - grid[0])).astype(np.float32) for one in (x, y))
-    along, across = (
-        cv2.remap(s.astype(np.float32), at_x, at_y, cv2.INTER_LINEAR).astype(np.float64)
-        for s in (right, down)
-    )
+    seen = (cv2.remap(s.astype(np.float32), at_x, at_y, cv2.INTER_LINEAR) for s in (right, down))
+    along, across = (s.astype(np.float64) for s in seen)
     distance = np.hypot(x, y) + 1e-12
     # The rounded edge falls off as a quarter circle; a washer's hole likewise, inward.
     into = np.clip((distance - 1 + disc.rounding) / disc.rounding, 0, 0.98)
@@ -270,18 +256,14 @@ def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
 def _ground(kind: str, points: Array, discs: list[Disc], lamps: Lamps, rng: Rng) -> Array:
     """Return the lit table: its texture, the fall of light, the discs' shadows."""
     x, y = points[:2]
-    prism = kind == "washer on a prism"
-    texture = _texture(kind, x, y, rng)
-    slope = rng.uniform(0.3, 0.8) if kind in ("uneven light", "washer on a prism") else rng.uniform(0, 0.15)
-    turn, reach = rng.uniform(0, 2 * math.pi), 3.0
-    lit = 1 + slope * np.tanh((x * math.cos(turn) + y * math.sin(turn)) / reach)
-    if kind in ("uneven light", "washer on a prism"):
+    uneven, texture = kind in ("uneven light", "washer on a prism"), _texture(kind, x, y, rng)
+    slope, turn = rng.uniform(0.3, 0.8) if uneven else rng.uniform(0, 0.15), rng.uniform(0, 2 * math.pi)
+    lit = 1 + slope * np.tanh((x * math.cos(turn) + y * math.sin(turn)) / 3.0)
+    if uneven:
         spot = rng.uniform(-1.5, 1.5, 2)
         lit = lit * (0.5 + np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / rng.uniform(2, 8)))
     seen = lamps.table * texture * lit
-    if prism:
-        return seen
-    for disc in discs if kind not in ("no coin", "a square") else []:
+    for disc in discs if kind != "washer on a prism" else []:
         seen = seen * _shaded(x - disc.x, y - disc.y, disc, lamps)
     return seen
 

@@ -38,6 +38,11 @@ class Optics:
     jpeg: int = 0
 
 
+def _noise(contact: Contact, rng: Rng, mm: float) -> Array:
+    """Return noise on the fine grid, smooth over a length."""
+    return smooth_noise(rng, contact.phase.shape, mm / contact.mm)
+
+
 def _blur(field: Array, mm: float, contact: Contact) -> Array:
     return cv2.GaussianBlur(field.astype(np.float32), (0, 0), max(mm / contact.mm, 0.3))
 
@@ -45,15 +50,14 @@ def _blur(field: Array, mm: float, contact: Contact) -> Array:
 def _wetted(contact: Contact, optics: Optics, rng: Rng) -> Array:
     """Share of each point that couples light: contact that fades with low pressure, and sweat beside it."""
     grip = 1 - optics.fade * np.exp(-np.maximum(contact.pressure, 0) / optics.fade_pressure)
-    fine, coarse = (smooth_noise(rng, grip.shape, length / contact.mm) for length in (0.05, 0.4))
-    density = (
-        contact.touching * grip * np.clip(1 - optics.mottle * np.maximum(fine + 0.6 * coarse, -0.3), 0.2, 1.1)
-    )
+    fine, coarse = (_noise(contact, rng, mm) for mm in (0.05, 0.4))
+    mottle = np.clip(1 - optics.mottle * np.maximum(fine + 0.6 * coarse, -0.3), 0.2, 1.1)
+    density = contact.touching * grip * mottle
     if optics.meniscus:
         near = _blur(contact.touching, optics.meniscus, contact)
         density = np.maximum(density, np.clip((near - 0.2) / 0.2, 0, 1) * grip * 0.9)
     if optics.islands:
-        sweat = smooth_noise(rng, contact.phase.shape, 0.35 / contact.mm)
+        sweat = _noise(contact, rng, 0.35)
         limit = np.quantile(sweat[contact.outside < 0], 1 - optics.islands)
         wet = np.clip((sweat - limit) / 0.3, 0, 1) * (contact.outside < -0.05)
         density = np.maximum(density, wet * 0.85)
@@ -65,20 +69,15 @@ def _inked(contact: Contact, optics: Optics, rng: Rng) -> Array:
     near = _blur(contact.touching, 0.03, contact)
     grip = 1 - optics.fade * np.exp(-contact.pressure / optics.fade_pressure)
     film = np.clip((near - 0.3) / 0.35, 0, 1) * (1 - 0.3 * np.clip((near - 0.7) / 0.3, 0, 1)) * grip
-    fibre = smooth_noise(rng, film.shape, 0.035 / contact.mm) + 0.7 * smooth_noise(
-        rng, film.shape, 0.12 / contact.mm
-    )
-    supply = 1.0 + 0.35 * smooth_noise(rng, film.shape, 2.0 / contact.mm)
+    fibre = _noise(contact, rng, 0.035) + 0.7 * _noise(contact, rng, 0.12)
+    supply = 1.0 + 0.35 * _noise(contact, rng, 2.0)
     film = film * np.clip(0.9 * supply + 0.42 * fibre, 0, 1.15)
     if optics.meniscus:
         # Surplus ink is dragged outward over the edge.
-        drag = _blur(contact.touching, 0.25, contact) * np.clip(
-            1 - np.abs(contact.outside) / optics.meniscus, 0, 1
-        )
+        near = np.clip(1 - np.abs(contact.outside) / optics.meniscus, 0, 1)
+        drag = _blur(contact.touching, 0.25, contact) * near
         film = np.maximum(film, drag * np.clip(0.8 + 0.5 * fibre, 0, 1.2))
-    speck = np.clip(smooth_noise(rng, film.shape, 0.04 / contact.mm) - 2.2, 0, 1) * np.exp(
-        -np.abs(contact.outside)
-    )
+    speck = np.clip(_noise(contact, rng, 0.04) - 2.2, 0, 1) * np.exp(-np.abs(contact.outside))
     return np.asarray(np.maximum(film, 0.8 * speck), np.float32)
 
 
@@ -102,10 +101,10 @@ def _density(contact: Contact, optics: Optics, rng: Rng) -> Array:
         shift = np.array([[0.97, 0.17, across], [-0.17, 0.97, 2.5 / contact.mm]])
         rows, columns = density.shape
         earlier = cv2.warpAffine(contact.touching.astype(np.float32), shift, (columns, rows))
-        grease = 0.5 + 0.5 * np.clip(smooth_noise(rng, density.shape, 1.5 / contact.mm) + 0.5, 0, 1)
+        grease = 0.5 + 0.5 * np.clip(_noise(contact, rng, 1.5) + 0.5, 0, 1)
         density = np.maximum(density, optics.latent * grease * _blur(earlier, 0.05, contact))
     beyond = np.maximum(contact.outside, 0)
-    patchy = 1 + 0.4 * smooth_noise(rng, density.shape, 1.2 / contact.mm)
+    patchy = 1 + 0.4 * _noise(contact, rng, 1.2)
     veil = optics.halo * patchy * np.exp(-beyond / optics.halo_mm)
     # A bright veil is light that the skin throws back; it does not reach through the touching ridges.
     density = density + veil * (1 - density)
@@ -136,9 +135,8 @@ def _lit(density: Array, optics: Optics, rng: Rng) -> Array:
     light = light * (1 - optics.vignetting * (x**2 + y**2) / 2)
     texture = smooth_noise(rng, density.shape, 1.5) + smooth_noise(rng, density.shape, 12)
     if optics.device == "side-lit":
-        picture = (
-            optics.background + optics.contrast * density * (1 + 0.12 * smooth_noise(rng, density.shape, 2))
-        ) * light
+        mottled = density * (1 + 0.12 * smooth_noise(rng, density.shape, 2))
+        picture = (optics.background + optics.contrast * mottled) * light
     else:
         picture = (optics.background - optics.contrast * density) * light
     picture = picture + optics.texture * texture

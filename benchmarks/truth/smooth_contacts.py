@@ -167,9 +167,8 @@ def _specks(rng: Rng, shape: Shape, count: int, largest: float) -> Array:
         else:  # lint
             turn = np.cumsum(np.cumsum(rng.normal(0, 0.25, 24)))
             step = largest * rng.uniform(0.3, 1.1)
-            speck = _line(
-                shape, np.cumsum(np.c_[np.cos(0.3 * turn), np.sin(0.3 * turn)], 0) * step * 16 + place
-            )
+            path = np.cumsum(np.c_[np.cos(0.3 * turn), np.sin(0.3 * turn)], 0)
+            speck = _line(shape, path * step * 16 + place)
         out = np.maximum(out, speck * rng.uniform(0.3, 1))
     return cv2.GaussianBlur(out, (0, 0), rng.uniform(0.5, 1.3))
 
@@ -236,12 +235,17 @@ class Camera:
 
 
 class _Scene:
-    """One view of a device: contact, light, dirt and reflections."""
+    """One view of a device: contact, light, dirt and reflections.
 
-    def __init__(self, rng: Rng, kind: str, *, cut: bool, touches: bool, hovers: bool, grown: float) -> None:
-        self.rng, self.touches = rng, touches
-        large = rng.random() < 0.35
-        height = int(rng.integers(300, 700) if not large else rng.integers(700, 1201))
+    `grown` is the contact's size over that drawn.
+    """
+
+    def __init__(
+        self, rng: Rng, kind: str, *, cut: bool = False, touches: bool = True, hovers: bool = False,
+        grown: float = 1.0,
+    ) -> None:  # fmt: skip
+        self.rng, self.cut, self.touches = rng, cut, touches
+        height = int(rng.integers(700, 1201) if rng.random() < 0.35 else rng.integers(300, 700))
         width = int(np.clip(height * rng.choice([1, 1, 4 / 3, 4 / 3, 16 / 9]), 300, 1600))
         self.shape = (height, width)
         low, high = (0.01, 0.03) if kind == "newton" else (0.01, 0.08)
@@ -249,14 +253,15 @@ class _Scene:
         self.a_px = rng.uniform(max(45, 0.12 * height), 0.38 * height)
         self.mm = mm = 12 / self.a_px if self.a_px * mm > 12 else mm
         ratio = float(rng.choice([1.0, rng.uniform(0.6, 1), rng.uniform(0.8, 1)]))
-        self.a, b = self.a_px * mm, self.a_px * mm * ratio
-        a = self.a
-        self.angle = float(rng.uniform(-90, 90)) if ratio < 1 else 0.0
+        self.a = a = self.a_px * mm
+        b = a * ratio
+        turn = np.deg2rad(float(rng.uniform(-90, 90)) if ratio < 1 else 0.0)
+        self.turned = np.cos(turn), np.sin(turn)
         if cut:
             side = rng.integers(0, 4)
             off = self.a_px * rng.uniform(-0.4, 0.75)
             self.centre = [rng.uniform(0.3, 0.7) * height, rng.uniform(0.3, 0.7) * width]
-            axis = 0 if side < 2 else 1
+            axis = side // 2
             self.centre[axis] = off if side % 2 == 0 else self.shape[axis] - off
         else:
             margin = self.a_px * 1.06 + 4
@@ -299,14 +304,12 @@ class _Scene:
 
     def _edge_point(self, a: float, b: float) -> Array:
         t = self.rng.uniform(0, 2 * np.pi)
-        x, y = a * np.cos(t) / self.mm, b * np.sin(t) / self.mm
-        c, s = np.cos(np.deg2rad(self.angle)), np.sin(np.deg2rad(self.angle))
+        x, y, (c, s) = a * np.cos(t) / self.mm, b * np.sin(t) / self.mm, self.turned
         return np.array([self.centre[0] + s * x + c * y, self.centre[1] + c * x - s * y])
 
     def _in_frame(self, rows: Array, columns: Array) -> tuple[Array, Array]:
         """Return places in the ellipse's frame, whose major axis is turned towards the rows."""
-        y, x = (rows - self.centre[0]) * self.mm, (columns - self.centre[1]) * self.mm
-        c, s = np.cos(np.deg2rad(self.angle)), np.sin(np.deg2rad(self.angle))
+        y, x, (c, s) = (rows - self.centre[0]) * self.mm, (columns - self.centre[1]) * self.mm, self.turned
         return c * x + s * y, -s * x + c * y
 
     def seen(self, signal: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -515,23 +518,13 @@ _OPTICS: dict[str, Callable[[_Scene], tuple[Array, ...]]] = {
 }
 
 
-def _picture(
-    rng: Rng,
-    kind: str,
-    *,
-    cut: bool = False,
-    touches: bool = True,
-    hovers: bool = False,
-    grown: float = 1.0,
-    noise: Rng | None = None,
-) -> Picture:
-    """Return a picture; `grown` is the contact's size over that drawn, `noise` the camera's own."""
-    scene = _Scene(rng, kind, cut=cut, touches=touches, hovers=hovers, grown=grown)
+def _picture(kind: str, scene: _Scene, noise: Rng) -> Picture:
+    """Return a picture; `noise` is the camera's own."""
     image, empty = _OPTICS[kind](scene)
-    scene.camera.rng = noise or rng
+    scene.camera.rng = noise
     pixels, background = scene.camera.expose(image * scene.drift), scene.camera.expose(empty)
-    area = float(np.pi * scene.gap.a * scene.gap.b) if touches else 0.0
-    return Picture(pixels, background, scene.mm, area, touches and not cut)
+    area = float(np.pi * scene.gap.a * scene.gap.b) if scene.touches else 0.0
+    return Picture(pixels, background, scene.mm, area, scene.touches and not scene.cut)
 
 
 def pictures(seed: int, count: int, kind: str) -> Iterator[Picture]:
@@ -540,7 +533,8 @@ def pictures(seed: int, count: int, kind: str) -> Iterator[Picture]:
         rng = np.random.default_rng([seed, number, KINDS.index(kind)])
         device = DEVICES[number % 5] if kind in {"none", "cut"} else kind
         hovers = kind == "none" and rng.random() < 0.4
-        yield _picture(rng, device, cut=kind == "cut", touches=kind != "none", hovers=hovers)
+        scene = _Scene(rng, device, cut=kind == "cut", touches=kind != "none", hovers=hovers)
+        yield _picture(device, scene, rng)
 
 
 def loading(seed: int, count: int, kind: str) -> Iterator[Picture]:
@@ -549,9 +543,7 @@ def loading(seed: int, count: int, kind: str) -> Iterator[Picture]:
     The contact's radius goes with the load's cube root.
     """
     for number in range(count + 1):
-        rng, noise = (
-            np.random.default_rng([seed, KINDS.index(kind), 99]),
-            np.random.default_rng([seed, number]),
-        )
-        frame = _picture(rng, kind, grown=(max(number, 1) / count) ** (1 / 3), noise=noise)
+        rng = np.random.default_rng([seed, KINDS.index(kind), 99])
+        scene = _Scene(rng, kind, grown=(max(number, 1) / count) ** (1 / 3))
+        frame = _picture(kind, scene, np.random.default_rng([seed, number]))
         yield frame if number else replace(frame, image=frame.background, area=0.0)
