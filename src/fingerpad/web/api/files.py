@@ -62,13 +62,7 @@ class Removal(Params):
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
 async def upload(
-    opened: Opened,
-    workspace: Here,
-    request: Request,
-    answer: Response,
-    *,
-    name: _Name,
-    folder: _Folder = "",
+    opened: Opened, workspace: Here, request: Request, answer: Response, *, name: _Name, folder: _Folder = ""
 ) -> UploadedFile:
     """Add a file to the study, a frame to the folder of its sequence."""
     plain, home = plain_name(name), opened.folder / FOLDER / folder
