@@ -183,6 +183,15 @@ def test_truncated_stack(tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_pages_lost_with_the_end_of_a_small_file_are_told(tmp_path):
+    path = tmp_path / "stack.tif"
+    tifffile.imwrite(path, np.zeros((5, 40, 30), np.uint16), photometric="minisblack")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    first, lost = open_frames(path)
+    assert first.pixels is not None
+    assert "damaged after 1 pages, those that follow are lost" in lost.reason
+
+
 @pytest.mark.parametrize(
     ("numbers", "found"),
     [

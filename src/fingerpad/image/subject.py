@@ -96,25 +96,19 @@ def _finger_score(pixels: npt.NDArray[np.uint8], silhouette: Silhouette | None) 
 def _silhouette(pixels: npt.NDArray[np.uint8]) -> tuple[Silhouette | None, Direction | None]:
     """Return the finger, if one stands out from its backdrop, and where its tip points, None end on."""
     light = opponent_light(pixels)
-    whole = _found(light, None)
-    if whole is not None and not whole.cut_sides():
-        return whole, None
-    roots: Iterable[Direction] = ("down", "up", "left", "right")
+    roots: Iterable[Direction | None] = (None, "down", "up", "left", "right")
     best: tuple[Silhouette | None, Direction | None] = None, None
     for root in roots:
-        found = _found(light, root)
-        if found is not None and set(found.cut_sides()) == {root}:
-            return found, opposite(root)
-        if found is not None and root in found.cut_sides() and best[0] is None:
-            best = found, opposite(root)
+        try:
+            found = find_silhouette(light, root, None)
+        except ImageError:
+            continue
+        tip = None if root is None else opposite(root)
+        if set(found.cut_sides()) == {root} - {None}:
+            return found, tip
+        if root in found.cut_sides() and best[0] is None:
+            best = found, tip
     return best
-
-
-def _found(light: npt.NDArray[np.float32], root: Direction | None) -> Silhouette | None:
-    try:
-        return find_silhouette(light, root, None)
-    except ImageError:
-        return None
 
 
 def _faces(silhouette: Silhouette, tip: Direction | None) -> dict[Face, float]:

@@ -313,32 +313,22 @@ def frame_clock(
             raise LoadingError("the load of first contact aligns frames with a force: give the force too")
         # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
         # so are all times.
-        contact = _contact_time(force, contact_load)
+        low, high = float(force.load.min()), float(force.load.max())
+        contact = _first_rise(
+            force.time,
+            force.load,
+            contact_load,
+            f"the force never rises through {contact_load:g} N: it starts at {force.load[0]:g} N and lies "
+            f"between {low:g} and {high:g} N; tare it or choose another threshold",
+        )
         return FrameRate(frames_per_second, anchor_time=contact, anchor_frame=None, numbers=numbers)
     if force is not None and start_time is None:
-        start_time = force.span[0] if force.trigger is None else _trigger_time(force.time, force.trigger)
+        start_time = force.span[0]
+        if force.trigger is not None:
+            low, high = float(force.trigger.min()), float(force.trigger.max())
+            never = f"the trigger never rises: it stays between {low:g} and {high:g} V"
+            start_time = _first_rise(force.time, force.trigger, (low + high) / 2, never)
     return FrameRate(frames_per_second, anchor_time=start_time or 0.0, numbers=numbers)
-
-
-def _trigger_time(time: FloatArray, trigger: FloatArray) -> float:
-    """Return when a trigger, V, first rises through half of its range, s."""
-    low, high = float(trigger.min()), float(trigger.max())
-    found = _first_rise(time, trigger, (low + high) / 2) if high > low else None
-    if found is None:
-        raise LoadingError(f"the trigger never rises: it stays between {low:g} and {high:g} V")
-    return found
-
-
-def _contact_time(force: ForceSignal, threshold: float) -> float:
-    """Return when the load first rises through a threshold, N, for at least three samples, s."""
-    found = _first_rise(force.time, force.load, threshold)
-    if found is None:
-        low, high = float(force.load.min()), float(force.load.max())
-        raise LoadingError(
-            f"the force never rises through {threshold:g} N: it starts at {force.load[0]:g} N and lies "
-            f"between {low:g} and {high:g} N; tare it or choose another threshold"
-        )
-    return found
 
 
 def alignment_scatter(
@@ -383,15 +373,15 @@ def _require_increasing(time: FloatArray, name: str) -> None:
     )
 
 
-def _first_rise(time: FloatArray, values: FloatArray, level: float) -> float | None:
-    """Return when `values` first passes a level upwards and stays above for three samples."""
+def _first_rise(time: FloatArray, values: FloatArray, level: float, never: str) -> float:
+    """Return when `values` first passes a level upwards and stays above for three samples, s."""
     above = values >= level
     stays = above.copy()
     for ahead in (1, 2):
         stays[:-ahead] &= above[ahead:]
     rises = np.flatnonzero(~above[:-1] & stays[1:]) + 1
     if not rises.size:
-        return None
+        raise LoadingError(never)
     k = int(rises[0])
     share = (level - values[k - 1]) / (values[k] - values[k - 1])
     return float(time[k - 1] + share * (time[k] - time[k - 1]))

@@ -8,7 +8,7 @@ import re
 import warnings
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -260,8 +260,8 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
         if not count:
             raise ImageError(f"{path}: holds no picture (PNG, TIFF, JPEG, BMP or PGM)")
     elif path.suffix.lower() in TIFF_SUFFIXES:
-        with _open_tiff(path) as tiff:
-            pages, broken = _count_readable_pages(tiff)
+        tiff, pages, broken = _open_tiff(path)
+        tiff.close()
         # Where the chain of pages is broken, one more stands for what is lost.
         kind, count = "tiff", pages + (broken is not None)
     elif path.suffix.lower() in PICTURE_SUFFIXES:
@@ -316,28 +316,23 @@ def _folder_frames(
         yield frame
 
 
-def _count_readable_pages(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
-    """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
-    with tifffile_warnings() as heard:
-        return len(tiff.pages), heard[0].getMessage() if heard else None
-
-
-def _open_tiff(path: Path) -> tifffile.TiffFile:
-    """Open a TIFF file whose chain of pages can be followed."""
+def _open_tiff(path: Path) -> tuple[tifffile.TiffFile, int, str | None]:
+    """Open a TIFF file, with the number of pages that can be reached and what breaks their chain, if any."""
     try:
         with tifffile_warnings():
             tiff = tifffile.TiffFile(path)
-            len(tiff.pages)
+        with tifffile_warnings() as heard:
+            count = len(tiff.pages)
     # tifffile lets errors of any kind out of a damaged file.
     except Exception as error:
         raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
-    return tiff
+    return tiff, count, heard[0].getMessage() if heard else None
 
 
 def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Generator[Frame, None, None]:
     # Reading one IFD at a time: a list of all pages would grow with the sequence.
-    with _open_tiff(path) as tiff:
-        count, broken = _count_readable_pages(tiff)
+    tiff, count, broken = _open_tiff(path)
+    with tiff:
         for index in range(start, min(stop, count)):
             try:
                 with tifffile_warnings():
@@ -367,18 +362,16 @@ def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) ->
 
 
 def _video_header(path: Path, memory_limit: int) -> tuple[int, float | None]:
-    capture = _capture(path, memory_limit)
-    try:
-        count, rate = (capture.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
-    finally:
-        capture.release()
+    with _video(path, memory_limit) as video:
+        count, rate = (video.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
     # A damaged header may give any number; no format stores a frame in fewer than 8 bytes.
     most = path.stat().st_size / 8
     count = int(min(count, most)) if count > 0 else 0
     return count, rate if rate > 0 and np.isfinite(rate) else None
 
 
-def _capture(path: Path, memory_limit: int) -> Any:
+@contextmanager
+def _video(path: Path, memory_limit: int) -> Iterator[Any]:
     """Open a video whose frames are not too large, and whose pixels are square as far as it states."""
     read_start(path)
     capture = cv2.VideoCapture(str(path))
@@ -393,26 +386,26 @@ def _capture(path: Path, memory_limit: int) -> Any:
             "lengths in it would be wrong: resample it to square pixels, or state 1 : 1 if what it states is "
             "wrong"
         )
-    return capture
+    try:
+        yield capture
+    finally:
+        capture.release()
 
 
 def _video_frames(
     path: Path, start: int, stop: int, count: int, memory_limit: int
 ) -> Generator[Frame, None, None]:
-    capture = _capture(path, memory_limit)
     index = 0
-    try:
+    with _video(path, memory_limit) as video:
         # Seeking lands on the wrong frame in some codecs; going through all of them never does.
-        while index < start and capture.grab():
+        while index < start and video.grab():
             index += 1
         while index < stop or stop == count:  # headers may count too few
-            good, colour = capture.read()
+            good, colour = video.read()
             if not good:
                 break
             yield Frame(index=index, pixels=np.asarray(cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY), np.uint8))
             index += 1
-    finally:
-        capture.release()
     reason = f"{path}: the video ends after {index} of {count} frames"
     for missing in range(max(index, start), stop):
         yield Frame(index=missing, pixels=None, reason=reason)

@@ -167,39 +167,29 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     )
 
 
-def _zero_subtracted(contacts: FloatArray, force: ForceSignal | None) -> Iterator[str]:
-    """Yield what was subtracted from the force of frames in contact, which have one load less than it."""
-    if force is None or not contacts.size:
+def _off_zero(contacts: FloatArray, after: FloatArray, force: ForceSignal) -> Iterator[str]:
+    """Yield what was subtracted from the force of frames in contact, and what is left of it after them.
+
+    `after` are the loads of the frames after the last in contact, in their order.
+    """
+    if not contacts.size:
         return
-    zero = float(force.load_at(contacts[1, 0]) - contacts[2, 0])
+    _, times, loads, *_ = contacts
+    zero = float(force.load_at(times[0]) - loads[0])
     if zero:
         yield (
             f"the force was {zero:.2g} N before first contact, which was subtracted from all loads: tare the "
             "sensor before a press"
         )
-
-
-def _split(loaded: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the frames in contact, and the loads of those after the last of them."""
-    in_contact = loaded[3] > 0
-    last = np.flatnonzero(in_contact)[-1:]
-    return loaded[:, in_contact], loaded[2, last[0] + 1 :] if last.size else loaded[2, :0]
-
-
-def _left_after_contact(contacts: FloatArray, after: FloatArray, force: ForceSignal | None) -> Iterator[str]:
-    """Yield what the force shows in the frames `after` the contact, in their order, where it is not zero."""
-    if force is None or not contacts.size or after.size < _FRAMES_LEFT:
+    if after.size < _FRAMES_LEFT:
         return
-    loads = contacts[2]
     left = max(_LEFT_LOAD_SHARE * float(loads.max()), abs(float(loads[0])))
-    least = np.lib.stride_tricks.sliding_window_view(np.abs(after), _FRAMES_LEFT).min(axis=-1)
-    if least.max() <= left:
-        return
-    yield (
-        f"after the last frame in contact the force is {np.median(after[:_FRAMES_LEFT]):.2g} N, and "
-        f"{np.median(after[-_FRAMES_LEFT:]):.2g} N at the end, where it should be zero: does it drift or "
-        "come late, is the frame rate wrong, or are frames lost? Loads may be wrong by as much"
-    )
+    if np.lib.stride_tricks.sliding_window_view(np.abs(after), _FRAMES_LEFT).min(axis=-1).max() > left:
+        yield (
+            f"after the last frame in contact the force is {np.median(after[:_FRAMES_LEFT]):.2g} N, and "
+            f"{np.median(after[-_FRAMES_LEFT:]):.2g} N at the end, where it should be zero: does it drift or "
+            "come late, is the frame rate wrong, or are frames lost? Loads may be wrong by as much"
+        )
 
 
 def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mapping[str, int]) -> Iterator[str]:
@@ -271,11 +261,12 @@ def sequence_summary(
     notes = []
     if frames is not None and isinstance(clock, FrameRate) and (skipped := frames.skipped):
         notes.append(skipped)
+    in_order = np.reshape(loaded, (-1, 5)).T
+    touching = np.flatnonzero(in_order[3] > 0)
+    seen = in_order[:, touching]
     if force is not None:
         notes += _spans_apart(force, (start, end), counts)
-    seen, after = _split(np.reshape(loaded, (-1, 5)).T)
-    notes += _zero_subtracted(seen, force)
-    notes += _left_after_contact(seen, after, force)
+        notes += _off_zero(seen, in_order[2, touching.max(initial=-1) + 1 :], force)
     doubt = _out_of_step(seen, force)
     flags = () if doubt is None else ("out_of_step",)
     if doubt is not None:
