@@ -105,14 +105,8 @@ class Edge:
         return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
 
 
-def drawn_edge(points: FloatArray, view: View) -> Edge:
-    """Return an edge (x, y) of the copy that was drawn manually all round."""
-    edge = even_edge(points, view)
-    return replace(edge, resolved=True, manual=np.ones(len(points), dtype=bool))
-
-
-def even_edge(points: FloatArray, view: View) -> Edge:
-    """Return an edge (x, y) of the copy, found automatically and alike all round."""
+def even_edge(points: FloatArray, view: View, *, drawn: bool = False) -> Edge:
+    """Return an edge (x, y) of the copy that is alike all round, found automatically or drawn manually."""
     none = np.zeros(len(points))
     return Edge(
         points=points,
@@ -120,10 +114,10 @@ def even_edge(points: FloatArray, view: View) -> Edge:
         steps=point_spacings(points),
         along=none,
         period=view.period,
-        noise=view.relative_noise,
+        noise=view.noise / max(view.contrast, 1e-9),
         softness=0.0,
-        resolved=view.resolved,
-        manual=none.astype(bool),
+        resolved=drawn or view.resolved,
+        manual=np.full(len(points), drawn),
         differs=none,
     )
 

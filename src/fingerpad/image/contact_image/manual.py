@@ -13,7 +13,7 @@ from fingerpad._arrays import FloatArray, as_float_array, positive_number, real_
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, outer_contours, to_fixed_point
-from fingerpad.image.contact_image.edge import Edge, drawn_edge, point_spacings, running_mean, smooth_normals
+from fingerpad.image.contact_image.edge import Edge, even_edge, point_spacings, running_mean, smooth_normals
 from fingerpad.image.contact_image.region import OTHER_REGION, Region
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
@@ -63,7 +63,7 @@ def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
     patch = _filled(points, view.contact.shape) > 0
-    return Region(patch=patch, several=False), drawn_edge(points, view)
+    return Region(patch=patch, several=False), even_edge(points, view, drawn=True)
 
 
 def region_after_strokes(
@@ -98,7 +98,9 @@ def region_after_strokes(
         several=other > OTHER_REGION or (before is not None and before[0].several),
     )
     outline = evenly_spaced(running_mean(rough, _FINE))
-    return region, drawn_edge(outline, view) if before is None else _restored_edge(outline, before[1])
+    return region, even_edge(outline, view, drawn=True) if before is None else _restored_edge(
+        outline, before[1]
+    )
 
 
 def _restored_edge(outline: FloatArray, edge: Edge) -> Edge:

@@ -38,6 +38,7 @@ _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"
 )
+_WAY_OUT: Final = "give background, the same view without a finger, or draw the contact"
 
 
 def find_smooth(
@@ -55,7 +56,9 @@ def find_smooth(
     steps = [step for step in find_steps(values, light, inside) if _wanted(step, part, options)]
     view = _view(part, values, inside, scale, steps[0] if steps else None)
     if not steps:
-        return view, None, _reason(options)
+        if (seed := options.get("seed")) is not None:
+            return view, None, f"no contact found at seed {seed}: give a (row, column) within the contact"
+        return view, None, f"{_REFUSED}; none was found: {_WAY_OUT}"
     best = steps[0]
     if problem := _problem(best, options.get("contrast")):
         return view, None, problem
@@ -95,12 +98,6 @@ def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
     return cv2.pointPolygonTest(as_float32(step.points), place, False) >= 0
 
 
-def _reason(options: ContactImageOptions) -> str:
-    if (seed := options.get("seed")) is not None:
-        return f"no contact found at seed {seed}: give a (row, column) within the contact"
-    return f"{_REFUSED}; none was found: give background, the same view without a finger, or draw the contact"
-
-
 def _problem(step: Step, contrast: float | None) -> str | None:
     """Return why a step is no contact's, None where it may be."""
     if contrast is not None and step.height < contrast / 2:
@@ -108,12 +105,12 @@ def _problem(step: Step, contrast: float | None) -> str | None:
     if step.height < SMOOTH.least_contrast * _ground(step):
         return (
             f"no contact found: contrast {step.height:.3g} against {step.noise:.3g} of the ground around it: "
-            "give background, the same view without a finger, or draw the contact"
+            f"{_WAY_OUT}"
         )
     if step.score < (SMOOTH.least_score_cut if step.cut else SMOOTH.least_score):
         return (
             f"{_REFUSED}; the clearest patch shows its edge in {step.seen:.0%} of all directions, "
-            f"{step.width:.3g} px wide: give background, the same view without a finger, or draw the contact"
+            f"{step.width:.3g} px wide: {_WAY_OUT}"
         )
     return None
 

@@ -192,9 +192,8 @@ def _compact(mask: BoolArray) -> BoolArray | None:
     count, labels = cv2.connectedComponents(filled.astype(np.uint8))
     if count < 2:
         return None
-    thickest = max(range(1, count), key=lambda k: float(within[labels == k].max()))
-    radius = max(2.0, min(pad - 2.0, _APPENDAGE * float(within[labels == thickest].max())))
-    part = np.pad(np.asarray(labels == thickest), pad, mode="edge") & wide
+    radius = max(2.0, min(pad - 2.0, _APPENDAGE * float(within.max())))
+    part = np.pad(np.asarray(labels == labels.flat[within.argmax()]), pad, mode="edge") & wide
     opened = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_OPEN, disk(radius))[pad:-pad, pad:-pad] > 0
     share = np.count_nonzero(opened) / mask.size
     if not _LEAST_AREA < share < _MOST_AREA:
@@ -413,12 +412,8 @@ def _is_narrow(profile: FloatArray, across: FloatArray, place: float, depth: flo
 
 def _width_at(values: FloatArray, k: int) -> float:
     """Return the full width of a peak at half of its height, in samples."""
-    half = values[k] / 2
-    low, high = k, k
-    while low > 0 and values[low] > half:
-        low -= 1
-    while high < len(values) - 1 and values[high] > half:
-        high += 1
+    less = np.flatnonzero(values <= values[k] / 2)
+    low, high = less[less < k].max(initial=0), less[less > k].min(initial=len(values) - 1)
     return max(1.0, float(high - low - 1))
 
 

@@ -104,12 +104,12 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
     for the strongest ring of their spectrum with the share of power there. Coarser copies than the expected
     one are asked only where it is not clear.
     """
-    copies = [(pixels, inside)]
+    copies: list[tuple[npt.NDArray[Any], BoolArray | None]] = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
         fine, where = copies[-1]
         rows, columns = (n // 2 * 2 for n in fine.shape)
         small = cv2.resize(fine[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        copies.append((_as_pixels(small), None if where is None else where[:rows:2, :columns:2]))
+        copies.append((small, None if where is None else where[:rows:2, :columns:2]))
     middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
     likely = range(max(0, middle - 1), min(len(copies), middle + 2))
     for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
@@ -129,20 +129,16 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
     return math.nan
 
 
-def _as_pixels(values: npt.NDArray[Any]) -> Pixels:
-    return values if values.dtype == np.uint8 else np.asarray(values, dtype=np.float32)
-
-
 def _pick_evenly(items: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
     """Return not more than `count` of the items, evenly picked."""
     return np.asarray(items[np.linspace(0, len(items) - 1, min(count, len(items))).astype(int)])
 
 
-def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any]:
+def _textured_windows(pixels: npt.NDArray[Any], inside: BoolArray | None) -> npt.NDArray[Any]:
     """Return windows of much variance, spread over the picture, (n, 64, 64)."""
     pad = [(0, max(0, _WINDOW - n)) for n in pixels.shape]
     if np.any(pad):
-        pixels = _as_pixels(np.pad(pixels, pad, mode="reflect"))
+        pixels = np.pad(pixels, pad, mode="reflect")
         inside = None if inside is None else np.pad(inside, pad, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(pixels, (_WINDOW, _WINDOW))[::_HOP, ::_HOP]
     some = tuple(slice(0, n // _HOP * _HOP, _STRIDE) for n in pixels.shape)
@@ -221,10 +217,9 @@ def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step
     third = len(y) // 3
     for part in (slice(third, len(y) - third), slice(None)):
         some = inside[part]
-        share, waves = _waves(copy, (y[part], x), some, pitch)
-        ridged = (share > _MIN_SHARE) & _flows_on(waves, share, some, _STEP // apart)
-        if np.count_nonzero(ridged) >= _MIN_RIDGED * count:
-            parallel, spread = _alike(waves[ridged])
+        waves = _flowing_waves(copy, (y[part], x), some, pitch, _STEP // apart)
+        if len(waves) >= _MIN_RIDGED * count:
+            parallel, spread = _alike(waves)
             if not (parallel > _PARALLEL and spread < _EVEN):
                 return True
     return False
@@ -256,19 +251,18 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
     busy = deviation[y[:, None], x] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
     if np.count_nonzero(busy) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
-    share, waves = _waves(copy, (y, x), busy, _PITCH_MM)
-    lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
-    if np.count_nonzero(lined) < _FEWEST:
+    waves = _flowing_waves(copy, (y, x), busy, _PITCH_MM, _STEP // step)
+    if len(waves) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
-    return LineTexture(float(np.count_nonzero(lined) / busy.size), *_alike(waves[lined]))
+    return LineTexture(len(waves) / busy.size, *_alike(waves))
 
 
-def _waves(
-    copy: Float32Array, grid: tuple[Whole, Whole], chosen: BoolArray, pitch: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the share of the power in each chosen window's strongest wave, and that wave, 1/mm.
+def _flowing_waves(
+    copy: Float32Array, grid: tuple[Whole, Whole], chosen: BoolArray, pitch: float, reach: int
+) -> FloatArray:
+    """Return the waves, 1/mm, of chosen windows: each fills its window and goes on in half of those beside it.
 
-    The share is 0 where the wave is no ridge's. The grid are rows and columns of the windows' centres.
+    The grid are rows and columns of the windows' centres; neighbours are so many places apart.
     """
     windows = np.lib.stride_tricks.sliding_window_view(copy, (_SIDE, _SIDE))
     y, x = ((k - _SIDE // 2).clip(0, n - 1) for k, n in zip(grid, windows.shape[:2], strict=True))
@@ -285,26 +279,23 @@ def _waves(
     waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + np.float32(1e-9)) / (_SIDE * pitch)
     # Periods per window of the longest and the shortest wave that ridges may have.
     low, high = (_SIDE * pitch / period for period in WINDOW_RIDGE_PERIOD_MM[::-1])
-    return share * ((peak >= low) & (peak <= high)), waves
-
-
-def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
-    """Return for each window inside whether half of its neighbours on the grid have waves like its own."""
-    rows, columns = inside.shape
+    share *= (peak >= low) & (peak <= high)  # none where the wave is no ridge's
+    rows, columns = chosen.shape
     padded = np.zeros((3, rows + 2 * reach, columns + 2 * reach), dtype=waves.dtype)
-    grid, ridge, here = padded[:, reach:-reach, reach:-reach]
-    grid[inside], ridge[inside], here[inside] = waves, share > 0, 1
-    # Of each window inside the three rows and columns of windows about it, in order (windows, 3, 3).
+    places, ridge, here = padded[:, reach:-reach, reach:-reach]
+    places[chosen], ridge[chosen], here[chosen] = waves, share > 0, 1
+    # Of each chosen window the three rows and columns of windows about it, in order (windows, 3, 3).
     side = 2 * reach + 1
     around = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))[
         ..., ::reach, ::reach
     ]
-    other, ridged, there = around[:, inside]
+    other, ridged, there = around[:, chosen]
     own = waves[:, None, None]
     off = np.minimum(np.abs(other - own), np.abs(other + own))
     like = (ridged.real > 0) & (off < _BENT * np.abs(own))
     like[:, 1, 1] = False  # the window itself
-    return np.asarray(2 * like.sum(axis=(1, 2)) >= there.real.sum(axis=(1, 2)) - 1)
+    flows_on = 2 * like.sum(axis=(1, 2)) >= there.real.sum(axis=(1, 2)) - 1
+    return np.asarray(waves[(share > _MIN_SHARE) & flows_on])
 
 
 def _alike(waves: FloatArray) -> tuple[float, float]:

@@ -128,12 +128,6 @@ class View:
         return rows / few_rows, columns / few_columns
 
     @property
-    def _cut(self) -> tuple[bool, bool, bool, bool]:
-        """Whether the top, left, bottom and right side are the caller's, not the picture's own."""
-        (row, column), (rows, columns), whole = self.part.corner, self.part.pixels.shape, self.part.shape
-        return row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]
-
-    @property
     def resolved(self) -> bool:
         """Whether the ridge period was seen in the picture or given."""
         return math.isfinite(self.ridge_period)
@@ -142,11 +136,6 @@ class View:
     def step(self) -> float:
         """Pixels of the picture in one of the copy, in the mean of both directions."""
         return math.sqrt(self.steps[0] * self.steps[1])
-
-    @property
-    def relative_noise(self) -> float:
-        """Noise in parts of the contrast."""
-        return self.noise / max(self.contrast, 1e-9)
 
     def to_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the copy as points of the picture."""
@@ -183,8 +172,10 @@ class View:
         rows, columns = mask.shape
         x, y = points.T
         off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
-        of_kind = np.array([cut is not own for cut in self._cut])
-        near = (off[of_kind] < margin).any(axis=0)
+        # The top, left, bottom and right side are the caller's where they cut the picture, or its own.
+        corner = np.array(self.part.corner)
+        cut = np.concatenate([corner > 0, corner + self.part.pixels.shape < self.part.shape])
+        near = (off[cut != own] < margin).any(axis=0)
         if not mask.all():
             plain = cv2.erode(mask.astype(np.uint8), disk(max(1.0, border)))
             place = np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1)

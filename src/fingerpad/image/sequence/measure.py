@@ -166,8 +166,7 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     """
     ground = options.get("background")
     if options.get("surface") == "smooth" and ground is not None:
-        off = _off_ground(pixels, np.asarray(ground), {**options, "background": None})
-        return float(np.mean(off * off))
+        return _power_off_ground(pixels, np.asarray(ground), {**options, "background": None})
     part = crop(pixels, **options)
     values = part.pixels
     # In a picture narrower than the window all that differs from its mean is texture.
@@ -181,8 +180,8 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     return float(np.mean(fine * fine))
 
 
-def _off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptions) -> FloatArray:
-    """Return how far a frame lies off its background in as much light, where it is looked at."""
+def _power_off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptions) -> float:
+    """Return the power of what a frame lies off its background in as much light, where it is looked at."""
     if pixels.shape[:2] != ground.shape[:2]:
         raise ImageError(
             f"background must have the picture's shape {pixels.shape[:2]}, found {ground.shape[:2]}"
@@ -191,7 +190,8 @@ def _off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptions) ->
     part, light = (crop(each, **options) for each in (pixels, grey))
     inside = np.s_[:] if part.inside is None else part.inside
     values, level = (each.pixels[inside].astype(np.float64) for each in (part, light))
-    return np.asarray(values - np.median((values + 1) / (level + 1)) * level)
+    off = values - np.median((values + 1) / (level + 1)) * level
+    return float(np.mean(off * off))
 
 
 Watcher: TypeAlias = Callable[[int, Pixels, ContactImageResult], None]
