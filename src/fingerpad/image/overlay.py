@@ -40,11 +40,9 @@ OUTLIER_COLOUR: Colour = (230, 60, 160)
 FITTED_COLOUR: Colour = (240, 200, 20)
 
 _MIN_SIDE_PX, _MAX_SIDE_PX = 1000, 8000
-# Strength of the ridges' tint, 0 to 1.
-_TINT = 0.45
+_TINT = 0.45  # strength of the ridges' tint, 0 to 1
 _SIDE_PX = 1100
-# The report shows the picture about 300 px wide: letters are as large as that needs.
-_WIDTH = 3
+_WIDTH = 3  # the report shows the picture about 300 px wide: letters are as large as that needs
 _LINE_PX, _LETTER_PX = 40, 14
 # Before OpenCV 5, its fonts had ASCII only.
 _ASCII = str.maketrans({} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"})

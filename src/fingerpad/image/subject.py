@@ -28,12 +28,10 @@ _LINES_PX, _COIN_PX, _FINGER_PX = 1400, 480, 360
 # Lines fill so much of a contact image; a ruler's marks are parallel and evenly spaced beyond these.
 _RIDGED, _MARKS = 0.15, 0.03
 _PARALLEL, _EVEN = 0.985, 0.1
-# Straighter lines than these may be those of a table under a coin.
-_STRAIGHT = 0.8
+_STRAIGHT = 0.8  # straighter lines than these may be those of a table under a coin
 # Skin of every tone lies within these limits of Cr and Cb (Chai and Ngan 1999, IEEE Trans. CSVT 9:551).
 _SKIN_CR, _SKIN_CB = (133, 173), (77, 127)
-# Deviation of a finger's middle line from straight, in widths, at which front and side are equally likely.
-_BENT: Final = 0.005
+_BENT: Final = 0.005  # widths from straight; so bent a middle line is as likely of the front as of a side
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

@@ -11,33 +11,23 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
-# An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
-# the range.
-_MIN_BORDER: Final = 0.02
-_RIPPLE: Final = 4 / 255
-# An even background behind a print also has one level, but a print is not convex and has no straight sides:
-# least convexity, least share of the outline in sides, least side as a share of the picture's.
+_MIN_BORDER: Final = 0.02  # of the picture; an added border is no less
+_RIPPLE: Final = 4 / 255  # of the range; lossy compression leaves such ripples in it
+# An even background behind a print also has one level, but a print is not convex and has no straight sides.
 _MIN_CONVEXITY: Final = 0.96
-_MIN_STRAIGHTNESS: Final = 0.7
-_LONG_SIDE: Final = 0.2
-# By so much these limits are wider where letters may stick out of a card, and grain run into it.
-_SLACK: Final = 0.1
-# How far corners may be off, as a share of the longest side: a print in a small picture is not straightened.
-_BLUNTNESS: Final = 0.005
-# A copy of so many px is fine enough for a border; grain that runs into it and letters that stick out, px of
-# it.
-_BORDER_PX: Final = 240
-_GRAIN_PX: Final = 4
-_LETTER_PX: Final = 12
+_MIN_STRAIGHTNESS: Final = 0.7  # share of the outline in sides
+_LONG_SIDE: Final = 0.2  # of the picture's; a side is no shorter
+_SLACK: Final = 0.1  # these limits are so much wider where letters stick out of a card, or grain runs into it
+_BLUNTNESS: Final = 0.005  # of the longest side; corners may be so far off: small prints stay as they are
+_BORDER_PX: Final = 240  # longer side of a copy that is fine enough for a border
+_GRAIN_PX: Final = 4  # of it; grain that runs into the border
+_LETTER_PX: Final = 12  # of it; letters that stick out
 
-# Side of the blocks that are busy with ridges or quiet, ridge periods.
-_BLOCK: Final = 1.35
-# Fewer quiet blocks than this show a level of the ground, but no slope; more than that are not needed.
-_MIN_QUIET: Final = 40
-_MAX_QUIET: Final = 300
+_BLOCK: Final = 1.35  # side of the blocks that are busy with ridges or quiet, ridge periods
+_MIN_QUIET: Final = 40  # fewer quiet blocks show a level of the ground, but no slope
+_MAX_QUIET: Final = 300  # more are not needed
 _SURFACE_ROUNDS: Final = 2
-# Keeps the surface through few blocks defined.
-_TINY: Final = 1e-9 * np.eye(6)
+_TINY: Final = 1e-9 * np.eye(6)  # keeps the surface through few blocks defined
 
 
 def without_added_border(

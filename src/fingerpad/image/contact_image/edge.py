@@ -19,25 +19,18 @@ from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted
 
-# Share of an outline without ridges beyond which it may be that of something else.
-_MOSTLY: Final = 0.45
-# Contacts fade over less than so many ridge periods.
-_MOST_FADE: Final = 2.0
+_MOSTLY: Final = 0.45  # share of an outline without ridges beyond which it may be that of something else
+_MOST_FADE: Final = 2.0  # ridge periods over which contacts fade at most
 _NO_EDGE: Final = (
     "no contact found: the largest patch of ridges does not stand out from what lies around it: give "
     "dark_on_light, or a region of interest"
 )
 _HALF_LEVEL: Final = 127.5
-# Amounts of ridge, of 255, are taken for no less.
-_LITTLE: Final = 25.5
-# How far inside, ridge periods, the amount of ridge is that of a ridge which the outline follows, and of the
-# valley behind it.
-_FIRST_RIDGE: Final = 0.3
-_FIRST_VALLEY: Final = 0.8
-# Samples across a band.
-_ACROSS: Final = 6
-# The amount of ridge is near half within so many levels, of 255.
-_RAMP: Final = 64
+_LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
+_FIRST_RIDGE: Final = 0.3  # ridge periods inside, where a ridge lies that the outline follows
+_FIRST_VALLEY: Final = 0.8  # ridge periods inside, where the valley behind it lies
+_ACROSS: Final = 6  # samples across a band
+_RAMP: Final = 64  # the amount of ridge is near half within so many levels, of 255
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 MANUAL: Final = math.sqrt(1 / 12 / 2)

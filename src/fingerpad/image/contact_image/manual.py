@@ -18,14 +18,11 @@ from fingerpad.image.contact_image.region import OTHER_REGION, Region
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
 
-# Strokes are drawn on a canvas so many times finer than the working copy.
-_FINE: Final = 4
+_FINE: Final = 4  # strokes are drawn on a canvas so many times finer than the working copy
 # Nearer than this, px of the copy, a point of the edited outline is one of the automatic outline.
 _SAME: Final = 0.6
-# No farther than this OpenCV draws, px.
-_FAR: Final = 2e4
-# Strokes that reach beyond so many pictures are refused.
-_MAX_REACH: Final = 10
+_FAR: Final = 2e4  # no farther than this OpenCV draws, px
+_MAX_REACH: Final = 10  # strokes that reach beyond so many pictures are refused
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

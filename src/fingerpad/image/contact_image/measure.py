@@ -37,13 +37,10 @@ from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.read import ImageLike, colour_levels, grey_levels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
-# Contrast over noise below which no contact is detectable.
-_NO_CONTRAST: Final = 2.5
-# Relative standard uncertainty of a threshold that a person chose.
-_THRESHOLD_STD: Final = 0.2
+_NO_CONTRAST: Final = 2.5  # contrast over noise below which no contact is detectable
+_THRESHOLD_STD: Final = 0.2  # relative standard uncertainty of a threshold that a person chose
 _HISTOGRAM_BINS: Final = 128
-# Regions that overlap less with their ellipse may contain smears.
-_ROUND: Final = 0.96
+_ROUND: Final = 0.96  # regions that overlap less with their ellipse may contain smears
 
 
 def measure_contact_image(

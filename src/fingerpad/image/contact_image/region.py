@@ -25,28 +25,20 @@ from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import polygon_moments
 
-# Radius of the disk that opens patches, ridge periods.
-_OPENING_RADIUS: Final = 0.8
-# A notch is deeper than this, and reaches across if deeper than that, ridge periods.
-_MIN_NOTCH: Final = 1.0
-_DEEP_NOTCH: Final = 4.0
-# A neck is narrower than this share of the narrower of the widths on its two sides.
-_NECK_RATIO: Final = 0.78
+_OPENING_RADIUS: Final = 0.8  # radius of the disk that opens patches, ridge periods
+_MIN_NOTCH: Final = 1.0  # ridge periods; a notch is deeper
+_DEEP_NOTCH: Final = 4.0  # ridge periods; one that is deeper may be cut across to the far side
+_NECK_RATIO: Final = 0.78  # a neck is narrower than this share of the lesser of the widths beside it
 _MOST_NECKS: Final = 4
 _MIN_PART: Final = 0.03
-# Patches smaller than this share of the largest, or less wide than so many periods, do not matter.
-_MIN_SHARE: Final = 0.1
-_MIN_WIDTH: Final = 3
-# Parts narrower than this share of the patch's width are not finger; every third pixel shows widths.
-_APPENDAGE_RATIO: Final = 0.35
-_WIDTH_STEP: Final = 3
-# A patch wins by its area, less so the further off the centre.
-_OFF_CENTRE: Final = 0.7
-# Beside other patches of this share of the contact's area there are several.
-OTHER_REGION: Final = 0.2
-# Beside patches with ridges, less: their amounts of ridge have a greater standard deviation than this.
-_OTHER_RIDGED: Final = 0.1
-_RIDGED_STD: Final = 85
+_MIN_SHARE: Final = 0.1  # of the largest patch; smaller ones do not matter
+_MIN_WIDTH: Final = 3  # ridge periods; nor do narrower ones
+_APPENDAGE_RATIO: Final = 0.35  # parts narrower than this share of the patch's width are not finger
+_WIDTH_STEP: Final = 3  # every third pixel shows widths
+_OFF_CENTRE: Final = 0.7  # a patch wins by its area, less so the further off the centre
+OTHER_REGION: Final = 0.2  # beside other patches of this share of the contact's area there are several
+_OTHER_RIDGED: Final = 0.1  # beside patches with ridges, less
+_RIDGED_STD: Final = 85  # their amounts of ridge have a greater standard deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -31,16 +31,12 @@ from fingerpad.image.contact_image.view import ContactImageOptions, Surface, Vie
 from fingerpad.image.ellipse import AreaMoments, ImageEllipse, polygon_moments
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
-# Contrast over noise below which the contact hardly stands out from noise.
-LOW_CONTRAST: Final = 5.0
+LOW_CONTRAST: Final = 5.0  # over noise; a contact of less hardly stands out from it
 _POOR_OVERLAP: Final = 0.85
-# Share of the contact beyond which its ridges may have been joined by sweat or ink.
-_MANY_RIDGES: Final = 0.59
-# Over windows of so many periods resolved ridges spread by more than so many levels of 255; where their mean
-# is below this, nothing touches.
-_WINDOW: Final = 3.0
-_MIN_SPREAD: Final = 76.0
-_NOTHING: Final = 64.0
+_MANY_RIDGES: Final = 0.59  # of the contact; more may have been joined by sweat or ink
+_WINDOW: Final = 3.0  # ridge periods; over such windows
+_MIN_SPREAD: Final = 76.0  # of 255 levels; resolved ridges spread by more
+_NOTHING: Final = 64.0  # of 255 levels; where the mean is below this, nothing touches
 # Dimension of (semi_major, semi_minor, gross_area, ridge_area) in lengths.
 _POWERS: Final = np.array([1, 1, 2, 2])
 

@@ -19,27 +19,19 @@ from fingerpad.image.contact_image.background import block_means, enlarge, quant
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
 from fingerpad.image.contact_image.view import View
 
-# Amount of ridge that parts ridges from valleys, 0 to 255.
-HALF: Final = 128
-# Radius of the disk over which ridges are closed, ridge periods.
-CLOSING_RADIUS: Final = 1.1
-# Windows of local levels, and the smoothing before, ridge periods; how often the levels are found again.
-_WINDOW: Final = 3.0
-_SMOOTHING: Final = 0.09
-_ROUNDS: Final = 3
-# Weight of the whole picture's levels against a window's own, as a share of the window.
-_PRIOR: Final = 0.03
-# Least rise from valley to ridge, as a share of the picture's contrast; smears have less than the second.
-LEAST_RISE: Final = 0.3
-CLEAR_RISE: Final = 0.5
-# Levels are taken from every other pixel where a period has more than so many.
-_LEAST_FOR_STEP: Final = 4
-# More pixels to a ridge period than this tell nothing more; the ridges' share needs fewer places.
-_MOST_PER_PERIOD: Final = 12
-_PLACES_PER_PERIOD: Final = 5
+HALF: Final = 128  # amount of ridge that parts ridges from valleys, 0 to 255
+CLOSING_RADIUS: Final = 1.1  # radius of the disk over which ridges are closed, ridge periods
+_WINDOW: Final = 3.0  # ridge periods; side of the windows of local levels
+_SMOOTHING: Final = 0.09  # ridge periods; before
+_ROUNDS: Final = 3  # the levels are found so often
+_PRIOR: Final = 0.03  # weight of the whole picture's levels against a window's own, as a share of the window
+LEAST_RISE: Final = 0.3  # from valley to ridge, as a share of the picture's contrast
+CLEAR_RISE: Final = 0.5  # smears have less
+_LEAST_FOR_STEP: Final = 4  # levels are taken from every other pixel where a period has more than so many
+_MOST_PER_PERIOD: Final = 12  # pixels to a ridge period; more tell nothing more
+_PLACES_PER_PERIOD: Final = 5  # fewer places tell the ridges' share
 _HALF_SIZE: Final = 2
-# So many places show how the levels of ridges are spread.
-_ENOUGH_PLACES: Final = 10_000
+_ENOUGH_PLACES: Final = 10_000  # so many show how the levels of ridges are spread
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 

@@ -23,15 +23,12 @@ from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, 
 from fingerpad.image.ellipse import outward_normals
 from fingerpad.image.scale import Scale
 
-# Longer side of the copy, px, in which regions are drawn.
-_COPY_SIDE: Final = 500
-# A person draws an edge within so many mm, but no finer than so many px of the copy.
-_DRAWN_MM: Final = 0.45
-_DRAWN_PX: Final = 3.0
-# A step within this share of another is one inside it, where it is as clear as this and as high, as a share.
-_WELL_INSIDE: Final = 0.9
-_NESTED_SCORE: Final = 0.6
-_NESTED_HEIGHT: Final = 0.1
+_COPY_SIDE: Final = 500  # longer side of the copy, px, in which regions are drawn
+_DRAWN_MM: Final = 0.45  # a person draws an edge as exactly as this,
+_DRAWN_PX: Final = 3.0  # but no more so than to so many px of the copy
+_WELL_INSIDE: Final = 0.9  # a step within this share of another is one inside it,
+_NESTED_SCORE: Final = 0.6  # where it is as clear as this
+_NESTED_HEIGHT: Final = 0.1  # and as high, as a share
 _LARGE_BUBBLE: Final = 0.4  # one the other way is a contact rather than a bubble if so large beside the other
 _LEAST_AROUND_PX: Final = 20
 _REFUSED: Final = (

@@ -21,22 +21,16 @@ from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
-# Longer side of the copy in which patches are found, px, and the blur before.
-_ROUGH_SIDE: Final = 200
-_ROUGH_BLUR: Final = 1.2
-# Levels tried, in parts of Otsu's.
-_LEVELS: Final = (1.0, 0.6, 1.6)
+_ROUGH_SIDE: Final = 200  # longer side of the copy in which patches are found, px
+_ROUGH_BLUR: Final = 1.2  # px of it, before
+_LEVELS: Final = (1.0, 0.6, 1.6)  # that are tried, in parts of Otsu's
 _LEAST_AREA: Final = 0.003
 _MOST_AREA: Final = 0.9
-# Parts of a patch narrower than this share of its width are reflections, not contact.
-_APPENDAGE: Final = 0.4
-# Scores beyond which signals of another kind, or other levels, are not tried.
-_CLEAR: Final = 0.4
-_VERY_CLEAR: Final = 0.85
-# A second edge drops by no less than this share of the main one.
-_LEAST_SECOND: Final = 0.25
-# A contact of which less of the outline is seen may leave the frame.
-_SEEN: Final = 0.85
+_APPENDAGE: Final = 0.4  # parts of a patch narrower than this share of its width are reflections, not contact
+_CLEAR: Final = 0.4  # beyond this score signals of another kind are not tried,
+_VERY_CLEAR: Final = 0.85  # and beyond this one no other levels
+_LEAST_SECOND: Final = 0.25  # a second edge drops by no less than this share of the main one
+_SEEN: Final = 0.85  # a contact of which less of the outline is seen may leave the frame
 _DIRECTIONS: Final = 180
 # How far profiles reach to both sides, in parts of the contact's mean radius, round by round.
 _REACHES: Final = (0.45, 0.3, 0.25, 0.25, 0.25)

@@ -21,27 +21,22 @@ from fingerpad.image.scale import WINDOW_RIDGE_PERIOD_MM
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 Whole: TypeAlias = npt.NDArray[np.intp]
 
-# The period: windows, how far apart, and how many are asked first and last.
-_WINDOW: Final = 64
-_HOP: Final = 32
-_FEW: Final = 12
-_MANY: Final = 48
-# Windows are judged by every fourth pixel.
-_STRIDE: Final = 4
+# The period.
+_WINDOW: Final = 64  # px; side of the windows
+_HOP: Final = 32  # px from one to the next
+_FEW: Final = 12  # so many are asked first
+_MANY: Final = 48  # and last
+_STRIDE: Final = 4  # windows are judged by every fourth pixel
 # Periods that a window shows well at one level of the pyramid, px.
 _SHORTEST: Final = 4.0
 _LONGEST: Final = 12.0
 _MIDDLE: Final = 7.0
-# Bins about the mean that hold light and edges; how far a peak spreads.
-_LIGHT_BINS: Final = 1.5
-_PEAK_BINS: Final = 2.5
-# A white-noise window puts about this share of its power into one spectral peak.
-_MIN_CONCENTRATION: Final = 0.14
-# Share of the variance of the most varied windows from which one is textured.
-_TEXTURED: Final = 0.25
-# A copy speaks more clearly than a finer one by this factor; one that is clear spares coarser ones.
-_CLEARER: Final = 1.1
-_CLEAR: Final = 0.3
+_LIGHT_BINS: Final = 1.5  # about the mean, which hold light and edges
+_PEAK_BINS: Final = 2.5  # over which a peak spreads
+_MIN_CONCENTRATION: Final = 0.14  # about the share of its power that white noise puts into one peak
+_TEXTURED: Final = 0.25  # share of the variance of the most varied windows from which one is textured
+_CLEARER: Final = 1.1  # by this factor a copy speaks more clearly than a finer one, to be taken
+_CLEAR: Final = 0.3  # one that is clear spares coarser ones
 
 # Of the spectrum, only what is no finer than the shortest period.
 _COLUMNS = round(_WINDOW / _SHORTEST) + 1
@@ -56,30 +51,24 @@ _WINDOW_TAPER = np.outer(np.hanning(_WINDOW), np.hanning(_WINDOW)).astype(np.flo
 # Which places of the band belong to a peak at each place.
 _PEAKS = (np.abs(_PLACE - _PLACE[:, None]) < _PEAK_BINS / _WINDOW) * _BAND
 
-# A copy of this pitch is looked at, in square windows; a coarser picture than the last cannot show ridges.
-_PITCH_MM: Final = 0.09
-_COARSEST_MM: Final = 0.12
-_SIDE: Final = 32
-_STEP: Final = 16
-# Fewer windows than this that far apart are taken at half the distance.
-_ENOUGH: Final = 40
-# Bins: below the least lie edges and shading, and a peak spreads so far.
-_LOWEST: Final = 1.5
-_SPREAD: Final = 2.1
-# Least share of a window's power in its peak, and least share of such windows that ridges fill.
-_MIN_SHARE: Final = 0.25
-_MIN_RIDGED: Final = 0.25
-# Neighbours' wave vectors differ by less than this share.
-_BENT: Final = 0.6
+# Whether there are ridges.
+_PITCH_MM: Final = 0.09  # of the copy that is looked at
+_COARSEST_MM: Final = 0.12  # a coarser picture cannot show ridges
+_SIDE: Final = 32  # px; side of the windows
+_STEP: Final = 16  # px from one to the next
+_ENOUGH: Final = 40  # fewer windows than this are taken at half that distance
+_LOWEST: Final = 1.5  # bin below which edges and shading lie
+_SPREAD: Final = 2.1  # bins over which a peak spreads
+_MIN_SHARE: Final = 0.25  # of a window's power in its peak
+_MIN_RIDGED: Final = 0.25  # share of such windows among those that a contact fills
+_BENT: Final = 0.6  # neighbours' wave vectors differ by less than this share
 # Lines more alike than these in direction and spacing are print or a grating. Ruled lines seen at a slant
 # have 0.999 and 0.01 to 0.03, ridges that hardly bend up to 0.996, real prints at most 0.90 and from 0.09.
 _PARALLEL: Final = 0.998
 _EVEN: Final = 0.03
-# Less than this tells nothing.
-_TELLING_MM2: Final = 13.0
-# Without a scale, windows are judged by their deviation: this share of the picture's range, so many levels.
-_BUSY_SHARE: Final = 0.08
-_BUSY_LEVELS: Final = 0.7
+_TELLING_MM2: Final = 13.0  # less than this tells nothing
+_BUSY_SHARE: Final = 0.08  # of the picture's range; without a scale windows of more deviation are judged
+_BUSY_LEVELS: Final = 0.7  # as long as it is so many levels
 _FEWEST: Final = 6
 
 # Half of the spectrum, by the bins from the mean; its first and last column stand for themselves.
@@ -260,7 +249,7 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
 def _flowing_waves(
     copy: Float32Array, grid: tuple[Whole, Whole], chosen: BoolArray, pitch: float, reach: int
 ) -> FloatArray:
-    """Return the waves, 1/mm, of chosen windows: each fills its window and goes on in half of those beside it.
+    """Return waves, 1/mm, of chosen windows: each fills its own and goes on in half of those beside it.
 
     The grid are rows and columns of the windows' centres; neighbours are so many places apart.
     """

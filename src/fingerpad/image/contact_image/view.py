@@ -19,18 +19,13 @@ from fingerpad.image.scale import Scale
 Surface: TypeAlias = Literal["ridged", "smooth"]
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
-# Pixels of the copy to a ridge period.
-_COPY_PERIOD_PX: Final = 4.5
-# What ridges of fingers are apart where neither the picture nor the caller tells.
-_USUAL_PERIOD_MM: Final = 0.45
+_COPY_PERIOD_PX: Final = 4.5  # pixels of the copy to a ridge period
+_USUAL_PERIOD_MM: Final = 0.45  # of the ridges of fingers, where neither the picture nor the caller tells
 _MIN_SIDE_PX: Final = 16
-# Squares of levels, and 1 over them, stay within single precision.
-_MAX_LEVEL: Final = 1e15
-_MIN_RANGE: Final = 1e-15
-# Corners of a polygon become whole sixteenths of a pixel, of 32 bits.
-_FARTHEST_CORNER_PX: Final = 1e6
-# An outline this near to a side of the copy, px, reaches it.
-_AT_SIDE: Final = 1.5
+_MAX_LEVEL: Final = 1e15  # squares of levels,
+_MIN_RANGE: Final = 1e-15  # and 1 over them, stay within single precision
+_FARTHEST_CORNER_PX: Final = 1e6  # corners of a polygon become sixteenths of a pixel, in 32 bits
+_AT_SIDE: Final = 1.5  # an outline this near to a side of the copy, px, reaches it
 
 
 class ContactImageOptions(TypedDict, total=False):

@@ -25,24 +25,18 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 _MIN_SAMPLES = 2
-# Fewer frames do not tell how well they are aligned with the force.
-_MIN_FRAMES: Final = 5
-# Below this share of the largest load the zero of the sensor matters more than the time.
-_LEAST_LOAD: Final = 0.02
-# A signal that goes so many times further below zero than above has the wrong sign.
-_REVERSED = 2.0
-# The zero of a force without contact: of so many frames and samples or more, in their first two thirds, whose
-# halves agree to this share; so many standard deviations from zero; more than this share of the largest load;
-# and no further than this share of the range above its lowest values, as a hold is.
-_MIN_BEFORE: Final = 4
-_WELL_BEFORE: Final = 2 / 3
-_STEADY: Final = 0.25
-_DEVIATIONS: Final = 5.0
-_LEAST_ZERO: Final = 0.005
-_LEAST_CONTACT: Final = 0.05
-# A touch is surely seen whose area is this share of the largest, or of that of the first frame in contact.
-_SEEN_OF_LARGEST: Final = 0.05
-_SEEN_OF_FIRST: Final = 1.2
+_MIN_FRAMES: Final = 5  # fewer frames do not tell how well they are aligned with the force
+_LEAST_LOAD: Final = 0.02  # of the largest; at less the zero of the sensor matters more than the time
+_REVERSED = 2.0  # a signal that goes so many times further below zero than above has the wrong sign
+# The zero of a force without contact.
+_MIN_BEFORE: Final = 4  # frames and samples, or more, show it
+_WELL_BEFORE: Final = 2 / 3  # of the time before contact, from its beginning
+_STEADY: Final = 0.25  # of it; its halves agree to this
+_DEVIATIONS: Final = 5.0  # standard deviations that it is from zero
+_LEAST_ZERO: Final = 0.005  # of the largest load; it is more
+_LEAST_CONTACT: Final = 0.05  # of the range above the lowest values; a hold is further up
+_SEEN_OF_LARGEST: Final = 0.05  # of the largest area; such a touch is surely seen,
+_SEEN_OF_FIRST: Final = 1.2  # or of that of the first frame in contact
 _REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
 
 

@@ -39,8 +39,7 @@ PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", "
 VIDEO_SUFFIXES: Final = frozenset({".avi", ".mp4", ".mov", ".mkv"})
 TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
 _ENDS_IN_NUMBER: Final = re.compile(r"(.*?)([0-9]{1,15})")
-# Fewer names do not tell the usual step of their numbers.
-_LEAST_NUMBERED: Final = 6
+_LEAST_NUMBERED: Final = 6  # fewer names do not tell the usual step of their numbers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

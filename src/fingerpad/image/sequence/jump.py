@@ -6,13 +6,11 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array, robust_std
 
-# A jump exceeds what the changes around it lead to expect, relative to the area, by no less than this, by so
-# many times the scatter of such excesses, and by so many times what is expected.
-_LEAST: Final = 0.07
-_DEVIATIONS: Final = 6.0
-_TIMES_EXPECTED: Final = 1.5
-# It lasts: the least of three areas after it exceeds the largest of three before by most of it.
-_LASTING: Final = 0.7
+# A jump exceeds what the changes around it lead to expect.
+_LEAST: Final = 0.07  # by this share of the area,
+_DEVIATIONS: Final = 6.0  # by so many times the scatter of such excesses,
+_TIMES_EXPECTED: Final = 1.5  # and by so many times what is expected
+_LASTING: Final = 0.7  # of it; the least of three areas after it exceeds the largest of three before by this
 _MIN_TESTED: Final = 4
 _HERTZ: Final = 2 / 3
 

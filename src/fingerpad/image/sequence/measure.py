@@ -30,10 +30,8 @@ from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_interva
 from fingerpad.image.sequence.result import FrameResult
 
 _SETTINGS_FRAMES: Final = 5
-# Wider than a ridge, narrower than a finger: what is left after it is texture.
-_TEXTURE_WINDOW_MM: Final = 1.5
-# Less texture than this share of the busiest frame's is no contact that could be measured.
-_MIN_TEXTURE: Final = 0.01
+_TEXTURE_WINDOW_MM: Final = 1.5  # wider than a ridge, narrower than a finger: texture is left after it
+_MIN_TEXTURE: Final = 0.01  # of the busiest frame's; with less there is no contact that could be measured
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -201,8 +199,7 @@ _LITTLE: Final = (
     "the frame is smooth beside those of the largest contact",
     "the frame hardly differs from the background beside those of the largest contact",
 )
-# A contact persists when it is seen in so many frames in a row.
-PERSISTENCE: Final = 3
+PERSISTENCE: Final = 3  # a contact persists when it is seen in so many frames in a row
 
 
 def measure_sequence(

@@ -115,17 +115,13 @@ class SequenceSummary(Displayed):
     flags: tuple[str, ...] = ()
 
 
-# With fewer contacts than this nothing is said of how area and force go together.
-_MIN_FRAMES_TO_COMPARE = 8
+_MIN_FRAMES_TO_COMPARE = 8  # with fewer contacts nothing is said of how area and force go together
 _MIN_CORRELATION = 0.5
-# A sequence whose load stays below this share of the largest force is timed wrongly, or cut.
-_MIN_LOAD_SHARE = 0.1
+_MIN_LOAD_SHARE = 0.1  # of the largest force; a sequence that stays below it is timed wrongly, or cut
 # After the contact the force is doubted above this share of the largest, and above the load of first contact,
-# in so many frames in a row: one may be that in which the pad leaves.
 _LEFT_LOAD_SHARE = 0.05
-_FRAMES_LEFT = 3
-# Times of force and frames that differ by such a factor may be in different units.
-_SPANS_APART = 100.0
+_FRAMES_LEFT = 3  # in so many frames in a row: one may be that in which the pad leaves
+_SPANS_APART = 100.0  # times of force and frames that differ by such a factor may be in different units
 
 
 def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
