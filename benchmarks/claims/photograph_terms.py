@@ -4,9 +4,9 @@ The arcs of independent shapes are found once; then each face is fitted from its
 switched off. Finding the arcs takes most of the time.
 """
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from typing import Any, TypeAlias
 from unittest import mock
 
@@ -19,8 +19,8 @@ from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph import face_arc
-from fingerpad.image.photograph.calibration import DOUBT
 from fingerpad.image.photograph.points import _arc
+from fingerpad.image.photograph.shape import ShapeAverage
 
 Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]
 
@@ -55,7 +55,11 @@ def faces(count: int, seed: int) -> Iterator[Face]:
 WITHOUT: dict[str, dict[str, Any]] = {
     "all terms": {},
     "without the outline beyond the arc": {"extend_arc": lambda *given: given[2]},
-    "without shape": {"_average_over_shapes": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
+    "without shape": {
+        "_average_over_shapes": lambda _, fit: ShapeAverage(
+            fit.ellipse, fit.covariance[2:4, 2:4], 0.0, math.nan, math.nan
+        )
+    },
     "without lengths": {"_contradicted": lambda *_: (np.zeros(2), 0.0)},
 }
 

@@ -4,18 +4,19 @@ Ellipses that may outline it run through contours at many grey levels, then thro
 """
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array, robust_std
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, robust_std
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image._masks import sample
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
-from fingerpad.image.ellipse_fit import correlation_length, fit_ellipse
+from fingerpad.image.ellipse_fit import correlation_length, direct_ellipse, fit_ellipse
 from fingerpad.image.levels import picture_levels
 from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
@@ -200,17 +201,18 @@ def measure_coin(image: ImageLike) -> Coin:
         raise CalibrationError(
             f"pixels must be {_MIN_SIDE_PX} px or more each way, found shape {levels.shape}"
         )
-    values = levels.astype(np.float32)
+    values = as_float32(levels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
-    chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
+    chosen, shadowed = _coin_outline(as_float32(small))
     # Pixel centres of the small image lie at whole numbers of its own.
     x, y = ((place + 0.5) * step - 0.5 for place in (chosen.ellipse.x, chosen.ellipse.y))
     start = replace(chosen.ellipse.scaled(step), x=x, y=y)
-    outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
+    smooth = _smooth(values)
+    outline = fit_edge(smooth, start, 3.0 * step, 3.0)
     if outline is None or outline.support < _MIN_SUPPORT:
         raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
-    shadow, band = _beside_edge(_smooth(values), outline.ellipse)
+    shadow, band = _beside_edge(smooth, outline.ellipse)
     if shadow > _DEEPEST_SHADOW:
         raise CalibrationError(
             "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
@@ -219,14 +221,14 @@ def measure_coin(image: ImageLike) -> Coin:
     return _coin(outline, shadow, band, shadowed)
 
 
-def _smooth(image: Float32Array) -> Float32Array:
-    return np.asarray(cv2.GaussianBlur(image, (0, 0), 1.0), dtype=np.float32)
+def _smooth(image: Float32Array, std_px: float = 1.0) -> Float32Array:
+    return as_float32(cv2.GaussianBlur(image, (0, 0), std_px))
 
 
 def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     """Return the outline of the one coin, and whether a shadow's lies against it."""
     found = _outlines(image)
-    outlines = _select_sharp(found, image)
+    outlines = _select_sharp(found, image) if found else []
     if not outlines:
         raise CalibrationError(
             "no coin found: show one whole coin, flat, sharp, on a plain background, or draw a line instead"
@@ -265,7 +267,7 @@ def _outlines(image: Float32Array) -> list[Outline]:
         found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
     for outline in sorted(found, key=lambda o: -o.support * o.strength):
-        if all(_difference(outline.ellipse, o.ellipse) > _SAME for o in different):
+        if all(_gaps(outline.ellipse, o.ellipse).max() > _SAME for o in different):
             different.append(outline)
     return sorted(different, key=lambda o: -o.ellipse.size)
 
@@ -277,10 +279,10 @@ def _fit_edges(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outli
 
 def _select_sharp(outlines: list[Outline], image: Float32Array) -> list[Outline]:
     """Return the outlines whose edge is nearly complete, sharp, and not faint beside the others."""
-    if not outlines:
-        return []
-    coarse = np.asarray(cv2.GaussianBlur(image, (0, 0), 3.0), dtype=np.float32)
-    sharpness = [_sharpness(o, coarse) for o in outlines]
+    # A wider blur takes much of a sharp edge's slope, and little of a penumbra's.
+    coarse = _smooth(image, 3.0)
+    blurred = [np.median(_edge_points(coarse, o.ellipse, 1.0)[1]) for o in outlines]
+    sharpness = [np.median(o.slope[o.kept]) / slope for o, slope in zip(outlines, blurred, strict=True)]
     support, strength = (max(getattr(o, name) for o in outlines) for name in ("support", "strength"))
     least = _MIN_SHARPNESS * min(max(sharpness), _STEP_SHARPNESS)
     return [
@@ -290,15 +292,9 @@ def _select_sharp(outlines: list[Outline], image: Float32Array) -> list[Outline]
     ]
 
 
-def _sharpness(outline: Outline, coarse: Float32Array) -> float:
-    """Return how much of its slope an edge loses to a wider blur: a penumbra loses little."""
-    _, slope, _ = _edge_points(coarse, outline.ellipse, 1.0)
-    return float(np.median(outline.slope[outline.kept]) / np.median(slope))
-
-
 def _touch(one: Outline, other: Outline) -> bool:
     """Return whether two outlines run together on one side and apart on another; rings of a coin do not."""
-    gap = np.abs(_gaps(one.ellipse, other.ellipse))
+    gap = _gaps(one.ellipse, other.ellipse)
     return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
 
 
@@ -350,7 +346,7 @@ def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, flo
 
 def _contour_ellipses(image: Float32Array) -> list[PlaneEllipse]:
     """Return the different ellipses through contours at many grey levels."""
-    smooth = cv2.GaussianBlur(image, (0, 0), 1.5)
+    smooth = _smooth(image, 1.5)
     slope = np.hypot(*(cv2.Sobel(smooth, cv2.CV_32F, *order, scale=1 / 8) for order in ((1, 0), (0, 1))))
     steep = slope > 2 * np.median(slope)
     low, high = np.percentile(smooth, [0.5, 99.5])
@@ -364,7 +360,7 @@ def _contour_ellipses(image: Float32Array) -> list[PlaneEllipse]:
             if len(points) < 2 * math.pi * _MIN_RADIUS_PX:
                 continue
             ellipse = _through_contour(points.astype(np.float64), rng)
-            if ellipse and all(_difference(ellipse, other) > _SAME_CONTOUR for other in found):
+            if ellipse and all(_gaps(ellipse, other).max() > _SAME_CONTOUR for other in found):
                 found.append(ellipse)
     return found
 
@@ -391,41 +387,33 @@ def _ellipse_through(points: FloatArray) -> PlaneEllipse | None:
     """Return the least-squares ellipse through points, None where it cannot be a disc's image."""
     if len(points) < 6:
         return None
-    (x, y), (first, second), degrees = cv2.fitEllipseDirect(points.astype(np.float32))
-    if not (math.isfinite(x + y + first + second) and min(first, second) > 2 * _MIN_RADIUS_PX):
-        return None
-    if min(first, second) < _MIN_AXIS_RATIO * max(first, second):
-        return None
-    return PlaneEllipse(x, y, first / 2, second / 2, math.radians(degrees))
-
-
-def _difference(ellipse: PlaneEllipse, other: PlaneEllipse) -> float:
-    """Return the largest distance between two ellipses over their size."""
-    return float(np.abs(_gaps(ellipse, other)).max())
+    with suppress(FitError):
+        ellipse = PlaneEllipse(*direct_ellipse(points).tolist())
+        minor, major = sorted(ellipse.semi_axes)
+        if minor > _MIN_RADIUS_PX and minor >= _MIN_AXIS_RATIO * major:
+            return ellipse
+    return None
 
 
 def _gaps(ellipse: PlaneEllipse, other: PlaneEllipse) -> FloatArray:
-    """Return the distance of `ellipse` outside `other` round the circumference, over their size."""
-    return as_float_array(other.offsets(ellipse.points(72)[0]) / other.size)
+    """Return the distances between two ellipses round the circumference, over their size."""
+    return np.abs(other.offsets(ellipse.points(72)[0]) / other.size)
 
 
 def fit_edge(image: Float32Array, ellipse: PlaneEllipse, reach: float, closest: float) -> Outline | None:
     """Fit an ellipse to the steepest places near another one, from within `reach` down to `closest`, px."""
     while True:
         points, slope, found = _edge_points(image, ellipse, reach)
-        kept = found
+        kept, fitted = found, _ellipse_through(points[found])
         for _ in range(3):
-            fitted = _ellipse_through(points[kept])
             if fitted is None:
                 return None
             off = np.abs(fitted.offsets(points))
             spread = robust_std(off[kept])
             kept = np.asarray(found & (off < np.clip(3 * spread, 0.3, 0.5 + 0.006 * fitted.size)))
-        fitted = _ellipse_through(points[kept])
-        if fitted is None:
-            return None
-        if reach <= closest:
-            return Outline(fitted, points, slope, kept)
+            fitted = _ellipse_through(points[kept])
+        if fitted is None or reach <= closest:
+            return None if fitted is None else Outline(fitted, points, slope, kept)
         ellipse, reach = fitted, max(closest, 0.6 * reach)
 
 

@@ -40,7 +40,7 @@ class EllipseFit(Displayed):
 
 def fit_ellipse(points: ArrayLike) -> EllipseFit:
     """Fit the ellipse of least orthogonal distance to five points or more; `semi_x` is the major one."""
-    values, covariance, residual_std = _fitted(points, 5, _direct_ellipse)
+    values, covariance, residual_std = _fitted(points, 5, direct_ellipse)
     if values[2] < values[3]:
         order = [0, 1, 3, 2, 4]
         values, covariance = values[order], covariance[np.ix_(order, order)]
@@ -95,7 +95,7 @@ def normalise(points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     return (points - shift) / size, shift, size
 
 
-def _direct_ellipse(points: FloatArray) -> Parameters:
+def direct_ellipse(points: FloatArray) -> Parameters:
     """Return (x, y, semi_1, semi_2, angle) of the direct least-squares ellipse (Fitzgibbon et al. 1999)."""
     (x, y), (width, height), degrees = cv2.fitEllipseDirect(points.astype(np.float32))
     start = np.array([x, y, width / 2, height / 2, math.radians(degrees)])

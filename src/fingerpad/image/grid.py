@@ -1,7 +1,5 @@
 """A checkerboard or a grid of dots: the scale of a plane, and its pictures without perspective."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +9,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray, non_negative_number, positive_number, real_array, set_fields
+from fingerpad._arrays import (
+    FloatArray,
+    as_float_array,
+    non_negative_number,
+    positive_number,
+    real_array,
+    set_fields,
+)
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.levels import picture_levels
@@ -91,8 +96,7 @@ class Grid(Displayed):
     @property
     def anisotropy(self) -> float:
         """By how much the longer side of a pixel on the plane exceeds the shorter, at most on the grid."""
-        sides = np.linalg.svd(self._jacobians(self.homography), compute_uv=False)
-        return float((sides[..., 0] / sides[..., 1]).max() - 1)
+        return float((self._sides[..., 0] / self._sides[..., 1]).max() - 1)
 
     @property
     def variation(self) -> float:
@@ -120,9 +124,9 @@ class Grid(Displayed):
     @property
     def flags(self) -> tuple[str, ...]:
         """Doubts: ``grid_tilted`` where pixels are not square, ``grid_bent`` where it is not flat."""
-        tilted = self.anisotropy > _TILTED or self.variation > _TILTED
-        found = {"grid_tilted": tilted, "grid_bent": self.unevenness > _BENT}
-        return tuple(flag for flag, true in found.items() if true)
+        tilted = max(self.anisotropy, self.variation) > _TILTED
+        doubts = {"grid_tilted": tilted, "grid_bent": self.unevenness > _BENT}
+        return tuple(flag for flag, doubted in doubts.items() if doubted)
 
     @property
     def scale(self) -> Scale:
@@ -131,40 +135,44 @@ class Grid(Displayed):
         Its uncertainty holds that of the spacing, of the fit, and what sides of pixels differ by with
         direction and place, uniformly distributed: it is large where the plane is tilted.
         """
-        sides = np.linalg.svd(self._jacobians(self.homography), compute_uv=False)
-        middle = math.exp(local_middle(self._log_scale(self.homography)))
-        off = float(np.abs(np.log(sides * middle / self.spacing_mm)).max())
-        return self._scale(middle, off / math.sqrt(3))
+        off = float(np.abs(np.log(self._sides * self._mm_per_px / self.spacing_mm)).max())
+        return self._scale(off / math.sqrt(3))
 
     @property
     def rectified_scale(self) -> Scale:
         """That of rectified pictures: uncertain by the spacing, the fit and the unevenness."""
-        return self._scale(math.exp(local_middle(self._log_scale(self.homography))))
+        return self._scale()
+
+    @cached_property
+    def _sides(self) -> FloatArray:
+        """Longer and shorter side, px, of a square of one spacing at each point, (rows, columns, 2)."""
+        return as_float_array(np.linalg.svd(self._jacobians(self.homography), compute_uv=False))
+
+    @cached_property
+    def _mm_per_px(self) -> float:
+        """Scale in the middle of the grid."""
+        return math.exp(local_middle(self._log_scale(self.homography)))
 
     @cached_property
     def _fit_std(self) -> float:
         """Relative standard uncertainty of the scale from that of the points."""
         flat = self.homography.ravel() / self.homography[2, 2]
 
-        def at(values: FloatArray) -> tuple[FloatArray, float]:
+        def at(values: FloatArray) -> FloatArray:
+            """Return where a homography has the points, and then the logarithm of the scale."""
             matrix = np.append(values, 1.0).reshape(3, 3)
-            return self._project(matrix).ravel(), local_middle(self._log_scale(matrix))
+            return np.append(self._project(matrix), local_middle(self._log_scale(matrix)))
 
-        steps = _STEP * np.maximum(np.abs(flat[:8]), 1e-6)
-        design, gradient = np.empty((8, self.points.size)), np.empty(8)
-        for k, step in enumerate(steps):
-            change = step * np.eye(8)[k]
-            (places, scale), (places_before, scale_before) = at(flat[:8] + change), at(flat[:8] - change)
-            design[k] = (places - places_before) / (2 * step)
-            gradient[k] = (scale - scale_before) / (2 * step)
-        size = np.linalg.norm(design, axis=1)
-        scaled, gradient = design / size[:, None], gradient / size
+        changes = np.diag(_STEP * np.maximum(np.abs(flat[:8]), 1e-6))
+        slopes = np.array([(at(flat[:8] + one) - at(flat[:8] - one)) / (2 * one.sum()) for one in changes])
+        slopes /= np.linalg.norm(slopes[:, :-1], axis=1, keepdims=True)
+        scaled, gradient = slopes[:, :-1], slopes[:, -1]
         return self.residual * math.sqrt(float(gradient @ np.linalg.solve(scaled @ scaled.T, gradient)))
 
-    def _scale(self, mm_per_px: float, more_std: float = 0.0) -> Scale:
+    def _scale(self, more_std: float = 0.0) -> Scale:
         uneven = self.unevenness  # the middle may be wrong by as much
         relative = math.hypot(self.spacing_mm_std / self.spacing_mm, self._fit_std, uneven, more_std)
-        return Scale(mm_per_px, mm_per_px * relative)
+        return Scale(self._mm_per_px, self._mm_per_px * relative)
 
     def rectified(self, pixels: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Scale]:
         """Return a picture of the same camera as if seen straight on, and its scale.
@@ -184,8 +192,7 @@ class Grid(Displayed):
             Its uncertainty is that of the spacing and of the fit.
         """
         rows, columns = pixels.shape[:2]
-        middle = math.exp(local_middle(self._log_scale(self.homography)))
-        pitch = middle / self.spacing_mm  # spacings per px
+        pitch = self._mm_per_px / self.spacing_mm  # spacings per px
         inverse = np.linalg.inv(self.homography)
         edge = np.array([[0, 0], [columns, 0], [columns, rows], [0, rows]], dtype=np.float64) - 0.5
         corners = cv2.perspectiveTransform(edge[None], inverse)[0] / pitch

@@ -1,7 +1,5 @@
 """Read a picture file into a plain two-dimensional grey array."""
 
-from __future__ import annotations
-
 import math
 import re
 import stat

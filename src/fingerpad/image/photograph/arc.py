@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, robust_std
 from fingerpad.exceptions import FitError
-from fingerpad.image.ellipse import PlaneEllipse, rotation
+from fingerpad.image.ellipse import PlaneEllipse, rotation, runs
 from fingerpad.image.ellipse_fit import (
     EllipseFit,
     Parameters,
@@ -142,30 +142,16 @@ def extend_arc(
     values, (first, last) = fit.ellipse.parameters, used[[0, -1]]
     places, spacing = outline_places(points)
     beyond = spacing * (np.minimum(places - places[first], 0) + np.maximum(places - places[last], 0))
-    flanks = (
-        _flank(points, side, np.abs(beyond[side]), fit, radius)
-        for side, radius in zip(
-            (np.arange(first)[::-1], np.arange(last + 1, len(points))),
-            _radii_of_curvature(values, points[[first, last]]),
-            strict=True,
-        )
-    )
-    order = np.sort(np.concatenate([used, *flanks]))
-    return fit_arc_ellipse(points[order], tilt, places=places[order], start=values, beyond=beyond[order])
-
-
-def _flank(
-    points: FloatArray, order: npt.NDArray[np.intp], away: FloatArray, fit: ArcFit, radius: float
-) -> npt.NDArray[np.intp]:
-    """Return the points beyond one end, outwards, as far as they can belong to the finger."""
-    order, away = order[away <= _REACH * radius], away[away <= _REACH * radius]
-    if not len(order):
-        return order
-    spread = np.diagonal(bend_covariance(away, (radius, radius)))
-    off = np.abs(distances(fit.ellipse.parameters, points[order])[0])
-    good: BoolArray = off < _REJECTION * np.sqrt(spread + fit.residual_std**2)
-    # What stands out is a hair, a nail or the frame, and so may be all that follows.
-    return np.asarray(order[np.logical_and.accumulate(good)], dtype=np.intp)
+    order, sides = [used], (np.arange(first)[::-1], np.arange(last + 1, len(points)))
+    for side, radius in zip(sides, _radii_of_curvature(values, points[[first, last]]), strict=True):
+        near = side[np.abs(beyond[side]) <= _REACH * radius]
+        spread = np.diagonal(bend_covariance(np.abs(beyond[near]), (radius, radius)))
+        off = np.abs(distances(values, points[near])[0])
+        # What stands out is a hair, a nail or the frame, and so may be all that follows.
+        good = np.logical_and.accumulate(off < _REJECTION * np.sqrt(spread + fit.residual_std**2))
+        order.append(near[good])
+    both = np.sort(np.concatenate(order))
+    return fit_arc_ellipse(points[both], tilt, places=places[both], start=values, beyond=beyond[both])
 
 
 def _whitening(on_arc: BoolArray, density: float, bends: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -288,15 +274,9 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     """Return the indices of the points, px, of an outline in the face's frame that can be pad, in order."""
     guess = initial_ellipse(points, face)
     off = turns_from(PAD_MIDDLE[face], points, guess)
-    inside = np.abs(off) < PAD_REACH[face]
-    # Turned so that the outline begins outside, and the run that holds the middle is one piece.
-    start = int(np.argmin(inside)) if not inside.all() else 0
-    order = np.roll(np.arange(len(points)), -start)
-    middle = int(np.argmin(np.abs(off[order])))
-    breaks = np.flatnonzero(~inside[order])
-    first = breaks[breaks < middle].max(initial=-1) + 1
-    last = breaks[breaks > middle].min(initial=len(order))
-    return order[first:last]
+    middle = np.argmin(np.abs(off))
+    within_reach = runs(np.abs(off) < PAD_REACH[face])
+    return next((run for run in within_reach if middle in run), np.arange(0))
 
 
 def initial_ellipse(points: FloatArray, face: Face) -> FloatArray:

@@ -5,12 +5,14 @@ function of the arc and of what is known beside it, not of the way it was reache
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
+import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.photograph.arc import (
@@ -26,7 +28,7 @@ from fingerpad.image.photograph.arc import (
 )
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
 from fingerpad.image.photograph.faces import Face
-from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
+from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.photograph.shape import (
     ShapeAverage,
     average_over_shapes,
@@ -45,74 +47,65 @@ _SHORT_ARC_DEG = 90.0
 _LOW_CONTRAST = 30.0
 
 
+_POINT = np.dtype(
+    [
+        ("xy", np.float64, 2),  # px, in the face's frame
+        ("step_ratio", np.float64),  # step across the edge over the noise beside it, NaN without an edge
+        ("pad", np.bool_),  # whether it can be pad
+        ("used", np.bool_),  # whether it is of the arc
+        ("rejected", np.bool_),  # whether it would be, and stands out
+        ("marked", np.bool_),  # whether it was added manually
+    ]
+)
+
+
+def outline_points(xy: FloatArray, **known: ArrayLike) -> npt.NDArray[np.void]:
+    """Return points of an outline: of the pad's arc, without an edge, unless other things are known."""
+    points = np.zeros(len(xy), dtype=_POINT)
+    for name, values in {"xy": xy, "step_ratio": math.nan, "pad": True, "used": True, **known}.items():
+        points[name] = values
+    return points
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FaceArc:
     """The arc of a face's outline, in the outline, and what is known beside it.
 
-    Lengths are px of the picture. The outline's n points are in the face's frame, in order; the arc is one
-    piece of them.
+    Lengths are px of the picture. The outline's points are in order; the arc is one piece of them.
     """
 
     face: Face
     scale: Scale
     frame: tuple[FloatArray, FloatArray]  # steps (row, column) of the face's x and y; their origin there
     tilt: tuple[float, float]  # radians; of the finger's axis, known without the arc, and its std
-    points: FloatArray  # (n, 2)
-    step_ratio: FloatArray  # (n,); step across the edge over the noise beside it, NaN without an edge
-    pad: BoolArray  # (n,); which points can be pad
-    used: BoolArray  # (n,); the arc
-    rejected: BoolArray  # (n,); which of its points stand out
-    marked: BoolArray  # (n,); which points were added manually
+    points: npt.NDArray[np.void]  # (n,); see `outline_points`
     start: FloatArray  # (x, y, semi_x, semi_y, tilt) of a rough ellipse
-    ends_known: bool  # whether the ends were given: the outline beyond then tells nothing of the lengths
+    ends_known: bool = True  # whether they were given: what lies beyond tells nothing of the lengths then
     erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # points of the arc
     alike: int = 8  # so many neighbouring points share an error
     blur: float = math.nan  # standard deviation of the edges' blur, NaN without edges
     border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
 
-    @classmethod
-    def given(
-        cls,
-        face: Face,
-        points: FloatArray,
-        *,
-        scale: Scale,
-        frame: tuple[FloatArray, FloatArray],
-        tilt: tuple[float, float],
-        start: FloatArray,
-        alike: int = 8,
-    ) -> Self:
-        """Return the arc of points that are all pad, without a picture."""
-        every = np.ones(len(points), dtype=bool)
-        return cls(
-            face=face,
-            scale=scale,
-            frame=frame,
-            tilt=tilt,
-            points=points,
-            step_ratio=np.full(len(points), math.nan),
-            pad=every,
-            used=every,
-            rejected=~every,
-            marked=~every,
-            start=start,
-            ends_known=True,
-            alike=alike,
-        )
+    @property
+    def xy(self) -> FloatArray:
+        """The points in the face's frame, (n, 2), px."""
+        return np.asarray(self.points["xy"], dtype=np.float64)
 
     @property
     def searched(self) -> BoolArray:
         """Among which points the arc was found."""
-        return self.used | self.rejected if self.ends_known else self.pad
+        arc: BoolArray = self.points["used"] | self.points["rejected"]
+        return arc if self.ends_known else np.asarray(self.points["pad"])
 
     def about(self, ellipse: PlaneEllipse, angle: float) -> tuple[FloatArray, FloatArray]:
         """Return two outlines about an ellipse's centre, x turned by an angle, without points added manually.
 
         The first is, of a palmar face, all that was found, the shaft with it; the second what can be pad.
         """
-        found, pad = ~self.marked, self.pad & ~self.marked
-        local = (self.points - ellipse.parameters[:2]) @ rotation(angle)
-        return local[found if self.face == "palmar" else pad], local[pad]
+        found = self.points[~self.points["marked"]]
+        local = (found["xy"] - ellipse.parameters[:2]) @ rotation(angle)
+        pad = local[found["pad"]]
+        return local if self.face == "palmar" else pad, pad
 
     def in_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the face's frame as (row, column), px."""
@@ -124,33 +117,25 @@ class FaceArc:
 
         Where the end of the arc goes, so does all beyond it: the pad ends there.
         """
-        gone, left = gone.copy(), np.flatnonzero(self.used & ~gone)
+        used = self.points["used"]
+        gone, left = gone.copy(), np.flatnonzero(used & ~gone)
         for beyond in (slice(left[0]), slice(left[-1] + 1, None)) if len(left) else ():
-            gone[beyond] |= (gone & self.used)[beyond].sum() >= _END
-        of_arc = gone & (self.used | self.rejected)
-        kept = {name: getattr(self, name)[~gone] for name in _EACH_POINT}
-        return replace(self, erased=np.concatenate([self.erased, self.points[of_arc]]), **kept)
+            gone[beyond] |= (gone & used)[beyond].sum() >= _END
+        of_arc = gone & (used | self.points["rejected"])
+        erased = np.concatenate([self.erased, self.xy[of_arc]])
+        return replace(self, erased=erased, points=self.points[~gone])
 
     def with_marks(self, marks: FloatArray) -> Self:
         """Return the arc with points on the pad, (row, column), px, added manually, each in its turn."""
         axes, place = self.frame
         local = (marks - place) @ axes.T
-        near = np.flatnonzero(self.pad | self.searched)
-        turns, wanted = (
-            turns_from(PAD_MIDDLE[self.face], points, self.start) for points in (self.points[near], local)
-        )
+        near = np.flatnonzero(self.points["pad"] | self.searched)
+        turns, wanted = (turns_from(PAD_MIDDLE[self.face], xy, self.start) for xy in (self.xy[near], local))
         sign = -1.0 if len(turns) and turns[-1] < turns[0] else 1.0
         order = np.argsort(sign * wanted, kind="stable")
         before = np.searchsorted(np.maximum.accumulate(sign * turns), sign * wanted[order])
         at = np.append(near, near[-1] + 1 if len(near) else 0)[before]
-        added: dict[str, Any] = {"points": local[order], "step_ratio": math.nan, "rejected": False}
-        more = {
-            name: np.insert(getattr(self, name), at, added.get(name, True), axis=0) for name in _EACH_POINT
-        }
-        return replace(self, **more)
-
-
-_EACH_POINT = ("points", "step_ratio", "pad", "used", "rejected", "marked")
+        return replace(self, points=np.insert(self.points, at, outline_points(local[order], marked=True)))
 
 
 def face_from_arc(arc: FaceArc) -> PhotographFit:
@@ -158,7 +143,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     fit = _fitted(arc)
     noise = fit.covariance[2:4, 2:4]
     known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())
-    middle, local = PAD_MIDDLE[arc.face], arc.points[arc.used]
+    middle, local = PAD_MIDDLE[arc.face], arc.xy[arc.points["used"]]
     angles = middle + turns_from(middle, local, fit.ellipse.parameters)
     if not known < MAX_RELATIVE_STD:
         raise FitError(
@@ -167,14 +152,11 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
             "the skin"
         )
     average = _average_over_shapes(arc, fit)
-    ellipse, share = (fit.ellipse, 1.0) if average is None else (average.ellipse, 1 - average.weight)
+    ellipse, share = average.ellipse, 1 - average.weight
     scale, semi_px = arc.scale.mm_per_px, ellipse.semi_axes
     tilt_std = math.sqrt(fit.covariance[4, 4])
     terms = {"noise": share * noise * scale**2}
-    if average is None:
-        terms["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
-    else:
-        terms["shape"] = average.covariance * scale**2 - terms["noise"]
+    terms["shape"] = average.covariance * scale**2 - terms["noise"]
     if math.isfinite(arc.blur):
         terms["edge"] = np.full((2, 2), (DOUBT.edge_std * arc.blur * scale) ** 2)
     if not arc.ends_known:
@@ -182,44 +164,59 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         tilt_std = math.hypot(tilt_std, LENGTHS.added * turn)
         both = np.outer(lengths, lengths) + turn**2
         terms["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
-    terms["scale"] = scale_term(semi_px * scale, arc.scale)
+    found = photograph_fit(arc, ellipse, terms, tilt_std, (float(angles.min()), float(angles.max())))
+    found = replace(
+        found,
+        residual_px_std=fit.residual_std,
+        exponent=average.exponent,
+        exponent_std=average.exponent_std,
+    )
+    return replace(found, flags=_flags(found, arc))
+
+
+def photograph_fit(
+    arc: FaceArc,
+    ellipse: PlaneEllipse,
+    terms: Mapping[str, FloatArray],
+    tilt_std: float,
+    angles: tuple[float, float],
+) -> PhotographFit:
+    """Return an ellipse, px in the face's frame, as a result, to whose uncertainty the scale adds a term."""
     row, column = arc.in_picture(ellipse.parameters[:2]).tolist()
-    found = PhotographFit(
+    semi_axes = ellipse.semi_axes * arc.scale.mm_per_px
+    of_scale = arc.scale.relative_std**2 * np.outer(semi_axes, semi_axes)
+    return PhotographFit(
         face=arc.face,
-        semi_axes=semi_px * scale,
-        covariance_terms=terms,
+        semi_axes=semi_axes,
+        covariance_terms={**terms, "scale": of_scale},
         scale=arc.scale,
         centre=(row, column),
         directions=rotation(ellipse.angle).T @ arc.frame[0],
         tilt=ellipse.angle,
         tilt_std=tilt_std,
-        arc=(float(angles.min()), float(angles.max())),
-        points=arc.in_picture(local),
-        outliers=arc.in_picture(np.concatenate([arc.points[arc.rejected], arc.erased])),
-        residual_px_std=fit.residual_std,
+        arc=angles,
+        points=arc.in_picture(arc.xy[arc.points["used"]]),
+        outliers=arc.in_picture(np.concatenate([arc.xy[arc.points["rejected"]], arc.erased])),
         blur_px=arc.blur,
-        exponent=math.nan if average is None else average.exponent,
-        exponent_std=math.nan if average is None else average.exponent_std,
-        outline=arc.in_picture(arc.points[arc.pad & ~arc.marked]),
+        outline=arc.in_picture(arc.xy[arc.points["pad"] & ~arc.points["marked"]]),
         _arc=arc,
     )
-    return replace(found, flags=_flags(found, arc))
 
 
 def _fitted(arc: FaceArc) -> ArcFit:
     """Return the arc's ellipse, to which the outline just beyond its ends contributes."""
-    used, (places, _) = np.flatnonzero(arc.used), outline_places(arc.points)
-    fit = fit_arc_ellipse(arc.points[used], arc.tilt, places=places[used], start=arc.start)
-    return extend_arc(arc.points, used, fit, arc.tilt)
+    used, (places, _) = np.flatnonzero(arc.points["used"]), outline_places(arc.xy)
+    fit = fit_arc_ellipse(arc.xy[used], arc.tilt, places=places[used], start=arc.start)
+    return extend_arc(arc.xy, used, fit, arc.tilt)
 
 
-def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
+def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
-    guess = initial_ellipse(arc.points, arc.face)
+    guess = initial_ellipse(arc.xy, arc.face)
     middle = PAD_MIDDLE[arc.face]
-    core = np.abs(turns_from(middle, arc.points, guess)) < SURELY_PAD
+    core = np.abs(turns_from(middle, arc.xy, guess)) < SURELY_PAD
     if arc.face in ("radial", "ulnar"):  # below the widest place the palmar side may be shaft
-        core &= turns_from(middle, arc.points, fit.ellipse.parameters) > -middle
+        core &= turns_from(middle, arc.xy, fit.ellipse.parameters) > -middle
     half, hidden = math.nan, 0.0
     outline, pad = arc.about(fit.ellipse, arc.tilt[0])
     # A side face shows the nail's side too, whose distance is no semi-axis.
@@ -227,7 +224,7 @@ def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
         across, along = fit.ellipse.semi_axes
         half, hidden, _ = half_width(outline, pad, across, along, arc.face)
     return average_over_shapes(
-        arc.points[arc.searched & (arc.used | core)],
+        arc.xy[arc.searched & (arc.points["used"] | core)],
         fit.ellipse,
         fit.covariance[2:4, 2:4],
         tilt=arc.tilt,
@@ -261,8 +258,8 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
     by_lengths = np.diagonal(found.covariance_terms.get("lengths", np.zeros((2, 2))))
     no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse
-    ratios = arc.step_ratio[arc.used & np.isfinite(arc.step_ratio)]
-    rejected = arc.rejected.sum() / (arc.rejected | arc.used).sum()
+    used, rejected = arc.points[arc.points["used"]], arc.points["rejected"]
+    ratios = used["step_ratio"][np.isfinite(used["step_ratio"])]
     margin = math.inf
     if arc.border is not None:
         *last, near = arc.border
@@ -270,13 +267,13 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     holds = {
         "short_arc": found.arc_deg < _SHORT_ARC_DEG,
         "uncertain": float(relative.max()) > 0.02,
-        "many_outliers": float(rejected) > 0.15,
+        "many_outliers": float(rejected.sum() / (rejected | arc.points["used"]).sum()) > 0.15,
         "low_contrast": len(ratios) > 0 and float(np.quantile(ratios, 0.25)) < _LOW_CONTRAST,
         "soft_edges": found.blur_px > 0.02 * semi_px,
         "touches_border": margin < 0,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
         "not_an_ellipse": no_ellipse or is_significant(found.exponent, found.exponent_std),
         "tilted": abs(found.tilt) > math.radians(10),
-        "fitted_manually": bool(arc.marked.any()) or len(arc.erased) > 0,
+        "fitted_manually": bool(arc.points["marked"].any()) or len(arc.erased) > 0,
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)

@@ -8,8 +8,6 @@ length. A covariance of lengths whose contribution from the scale is computed fr
 the result below all of them (Peelle's pertinent puzzle).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

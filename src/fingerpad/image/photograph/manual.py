@@ -8,11 +8,11 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import ImageError
-from fingerpad.image.ellipse import rotation
+from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph.arc import PAD_MIDDLE
-from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points, photograph_fit
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, palmar_directions
-from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
+from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import ScaleLike, as_scale
 
 # An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
@@ -44,24 +44,20 @@ def photograph_from_ellipse(
     check_radians("tilt", tilt)
     scale = as_scale(scale)
     side = palmar_directions(face, tip, palmar)[0]
-    semi_px = as_float_array(semi_axes)
-    semi_mm = semi_px * scale.mm_per_px
-    own_std = math.hypot(_MARK_PX, _BY_EYE * float(semi_px.min()))
-    return PhotographFit(
+    ellipse, middle = PlaneEllipse(0.0, 0.0, *semi_axes, tilt), PAD_MIDDLE[face]
+    own_std = math.hypot(_MARK_PX, _BY_EYE * min(semi_axes))
+    tilt_std = own_std / max(semi_axes)
+    arc = FaceArc(  # without points yet
         face=face,
-        semi_axes=semi_mm,
-        covariance_terms={
-            "placement": 2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
-            "scale": scale_term(semi_mm, scale),
-        },
         scale=scale,
-        centre=(float(centre[0]), float(centre[1])),
-        directions=rotation(tilt).T @ face_axes(face, tip, side),
-        tilt=tilt,
-        tilt_std=own_std / float(semi_px.max()),
-        arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
-        flags=size_flags(semi_mm) | {"fitted_manually"},
+        frame=(face_axes(face, tip, side), as_float_array(centre)),
+        tilt=(tilt, tilt_std),
+        points=outline_points(np.empty((0, 2))),
+        start=ellipse.parameters,
     )
+    terms = {"placement": 2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2)}
+    found = photograph_fit(arc, ellipse, terms, tilt_std, (middle - math.pi, middle + math.pi))
+    return replace(found, flags=size_flags(found.semi_axes) | {"fitted_manually"})
 
 
 def photograph_from_handles(
@@ -126,20 +122,11 @@ def with_marked_points(
     """
     marks = _check_points("added points", added)
     arc: FaceArc = found._arc
-    if arc is None:  # without points yet: the ellipse was placed manually
-        arc = FaceArc.given(
-            found.face,
-            np.empty((0, 2)),
-            scale=found.scale,
-            frame=(rotation(found.tilt) @ found.directions, as_float_array(found.centre)),
-            tilt=(found.tilt, found.tilt_std),
-            start=np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt]),
-        )
-    places = arc.in_picture(arc.points)
+    places = arc.in_picture(arc.xy)
     gone = np.zeros(len(places), dtype=bool)
     for path, radius in erased:
         gone |= _points_under_stroke(places, path, radius)
-    if not len(marks) and not (gone & (arc.pad | arc.searched)).any():
+    if not len(marks) and not (gone & (arc.points["pad"] | arc.searched)).any():
         return found
     return replace(face_from_arc(arc.without(gone).with_marks(marks)), _picture=found.picture)
 

@@ -4,8 +4,6 @@ The finger is separated from the backdrop by colour, its outline located to a fr
 the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
@@ -25,10 +23,11 @@ from fingerpad.image.photograph.arc import (
     longest_arc,
     rough_start,
 )
-from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.photograph.silhouette import (
+    IndexArray,
     Silhouette,
     SubpixelOutline,
     Window,
@@ -113,19 +112,22 @@ def measure_photograph(
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
     border = (size[0] - 1.0, size[1] - 1.0, 6.0 + 3 * silhouette.reduction)
-    marked = window is not None or marks is not None
-    if not marked and face != "distal":
+    marked: IndexArray | None = None
+    if marks is not None:
+        marked = edges.between(marks)
+    elif window is not None:
+        marked = edges.within(window)
+    elif face != "distal":
         silhouette.check_tip(tip)
     tried: list[PhotographFit] = []
     errors: list[ImageError | FitError] = []
     for side in sides:
         try:
-            if not marked:  # by the frame, on the sides that the pad faces
+            if marked is None:  # by the frame, on the sides that the pad faces
                 faced: dict[Face, tuple[Direction, ...]] = {"palmar": (tip,), "distal": (side,)}
                 silhouette.check_not_cut(faced.get(face, (tip, side)), tip)
-            axes = face_axes(face, tip, side)
-            arc = _pad_arc(edges, face, axes, scale, window=window, marks=marks, border=border)
-            tried.append(face_from_arc(arc))
+            arc = _pad_arc(edges, marked, face, face_axes(face, tip, side), scale)
+            tried.append(face_from_arc(replace(arc, border=border)))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -154,20 +156,13 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
 
 
 def _pad_arc(
-    edges: SubpixelOutline,
-    face: Face,
-    axes: FloatArray,
-    scale: Scale,
-    *,
-    window: Window | None,
-    marks: FloatArray | None,
-    border: tuple[float, float, float],
+    edges: SubpixelOutline, marked: IndexArray | None, face: Face, axes: FloatArray, scale: Scale
 ) -> FaceArc:
     """Return the pad's arc: the longest that one ellipse fits, or as marked."""
-    place = edges.points.mean(axis=0)
-    local = (edges.points - place) @ axes.T
+    origin = edges.points.mean(axis=0)
+    local = (edges.points - origin) @ axes.T
     tilt, pad = finger_tilt(local, face), candidate_points(local, face)
-    order = edges.between(marks) if marks is not None else edges.within(window) if window is not None else pad
+    order = pad if marked is None else marked
     if edges.found[order].sum() < _MIN_POINTS:
         raise FitError(
             f"only {edges.found[order].sum()} points of the finger's outline lie on the {face} face's arc: "
@@ -178,29 +173,24 @@ def _pad_arc(
     if edges.closed:
         every = np.roll(every, len(every) // 2 - int(order[len(order) // 2]))
     every = every[edges.found[every]]
-    points, candidates = local[every], np.flatnonzero(np.isin(every, order))
+    xy, candidates = local[every], np.flatnonzero(np.isin(every, order))
     rough = np.append(initial_ellipse(local, face)[:4], tilt[0])
-    ends_known = marks is not None or window is not None
-    if ends_known:
-        arc = fit_arc(points, candidates, tilt, rough_start(points[candidates], tilt, rough))
+    if marked is None:
+        arc = longest_arc(xy, candidates, PAD_MIDDLE[face], tilt, rough)
     else:
-        arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt, rough)
-    numbers = np.arange(len(every))
+        arc = fit_arc(xy, candidates, tilt, rough_start(xy[candidates], tilt, rough))
+    points = outline_points(xy, step_ratio=edges.step_ratio[every], pad=np.isin(every, pad), used=False)
+    points["used"][arc.used] = True
+    points["rejected"][arc.rejected] = True
     return FaceArc(
         face=face,
         scale=scale,
-        frame=(axes, place),
+        frame=(axes, origin),
         tilt=tilt,
         points=points,
-        step_ratio=edges.step_ratio[every],
-        pad=np.isin(every, pad),
-        used=np.isin(numbers, arc.used),
-        rejected=np.isin(numbers, arc.rejected),
-        marked=np.zeros(len(every), dtype=bool),
         start=arc.fit.ellipse.parameters,
-        ends_known=ends_known,
+        ends_known=marked is not None,
         blur=edges.blur,
-        border=border,
     )
 
 

@@ -1,7 +1,5 @@
 """Outlines of faces given as points, and the files of points and marks."""
 
-from __future__ import annotations
-
 import math
 from os import PathLike
 from pathlib import Path
@@ -15,7 +13,7 @@ from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph.arc import PAD_MIDDLE, turns_from
 from fingerpad.image.photograph.calibration import DOUBT
-from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points
 from fingerpad.image.photograph.faces import Face, FaceSemiAxes
 from fingerpad.image.photograph.result import size_flags
 from fingerpad.image.scale import Scale
@@ -94,9 +92,9 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
 def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
     """Return the arc that is all of an outline, whose points, mm, may come in any order."""
     order = np.argsort(turns_from(PAD_MIDDLE[face], points, ellipse.parameters), kind="stable")
-    return FaceArc.given(
-        face,
-        points[order] / _UNIT.mm_per_px,
+    return FaceArc(
+        face=face,
+        points=outline_points(points[order] / _UNIT.mm_per_px),
         scale=_UNIT,
         frame=(np.eye(2), np.zeros(2)),
         tilt=(0.0, _UPRIGHT_STD),

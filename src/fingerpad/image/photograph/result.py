@@ -1,7 +1,5 @@
 """The result of measuring a photograph of one face."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -248,11 +246,6 @@ class PhotographFit(Displayed):
         t = np.linspace(0, 2 * math.pi, count)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
         return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
-
-
-def scale_term(semi_axes: FloatArray, scale: Scale) -> FloatArray:
-    """Return the covariance, mm², that the scale's uncertainty gives semi-axes, mm."""
-    return scale.relative_std**2 * np.outer(semi_axes, semi_axes)
 
 
 def size_flags(semi_axes: FloatArray) -> frozenset[str]:

@@ -52,17 +52,25 @@ def contradicted_by_lengths(
     if len(points) < _MIN_POINTS_OF_LENGTHS:
         return np.zeros(2)
     across, along = semi_axes
+    top = int(points[:, 1].argmax())
+    sides = points[top:], points[top::-1]
+    tip_x, tip_y = _turning_point(points, across**2 / along)
     if face in ("radial", "ulnar"):
-        lengths = _side_lengths(points, across, along)
+        # From the tip to the palmar side, the one that reaches farther.
+        width = _turning_point(points[:, ::-1], along**2 / across)[1] - tip_x
+        palmar = sides[0] if points[:, 0].argmax() > top else sides[1]
+        heights = _heights(palmar[:, 0] - tip_x, palmar[:, 1], tip_y, width)
         axis = math.hypot(tilt_std, LENGTHS.side_axis_std)
         own = LENGTHS.side_across_std, LENGTHS.side_along_std
         stds = np.hypot(own, np.array([across / along, along / across]) * axis)
     else:
-        width = half_width(points, pad, across, along, face)
-        lengths = _front_lengths(points, across, along, width)
-        shaft = (1 + (LENGTHS.hidden - 1) * ellipse) * width.hidden / across
+        width, hidden, middle = half_width(points, pad, across, along, face)
+        outward = [(np.abs(side[:, 0] - middle), side[:, 1]) for side in sides]
+        heights = [height for side in outward for height in _heights(*side, tip_y, width)]
+        shaft = (1 + (LENGTHS.hidden - 1) * ellipse) * hidden / across
         own = LENGTHS.front_across_std, LENGTHS.front_along_std
         stds = np.hypot(own, np.array([1, LENGTHS.height_by_width]) * shaft)
+    lengths = np.array([width, np.mean(heights)])
     return beyond_chance(np.nan_to_num(lengths / semi_axes - 1), stds)
 
 
@@ -103,30 +111,12 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
     return HalfWidth(value + more_pad, hidden + more - more_pad, sum(ends) / 2)
 
 
-def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
-    """Return how far the palmar side lies from the tip, and the tip above the widest place."""
-    tip_x, tip_y = _turning_point(points, across**2 / along)
-    width = _turning_point(points[:, ::-1], along**2 / across)[1] - tip_x
-    top = int(points[:, 1].argmax())
-    palmar = slice(top, None) if points[:, 0].argmax() > top else slice(top, None, -1)
-    return np.array([width, np.mean(_heights(points[palmar] - [tip_x, 0], tip_y, width))])
-
-
-def _front_lengths(points: FloatArray, across: float, along: float, width: HalfWidth) -> FloatArray:
-    """Return half of the width and the height of the tip above the widest place."""
-    tip_y = _turning_point(points, across**2 / along)[1]
-    top, out = int(points[:, 1].argmax()), np.abs(points[:, 0] - width.middle)
-    sides = np.column_stack([out, points[:, 1]])
-    heights = [_heights(sides[way], tip_y, width.value) for way in (slice(top, None), slice(top, None, -1))]
-    return np.array([width.value, np.mean(heights)])
-
-
-def _heights(side: FloatArray, tip_y: float, width: float) -> list[float]:
+def _heights(out: FloatArray, y: FloatArray, tip_y: float, width: float) -> list[float]:
     """Return the height of the tip above the widest place by places of nearly that width, as on an ellipse.
 
-    The shaft hides the widest place itself. A side is in order from the tip, x outwards.
+    The shaft hides the widest place itself. A side is in order from the tip; `out` is how far off it lies.
     """
-    out, y = np.maximum.accumulate(side[:, 0]), side[:, 1]
+    out = np.maximum.accumulate(out)
     return [
         (tip_y - float(np.interp(share * width, out, y))) / (1 - math.sqrt(1 - share**2)) for share in _WIDTHS
     ]
@@ -252,19 +242,20 @@ def average_over_shapes(
     hidden: float = 0.0,
     noise: float = math.inf,
     alike: int = BLOCK,
-) -> ShapeAverage | None:
+) -> ShapeAverage:
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
 
     |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants and one for each.
     The semi-axes of both curves are the extents to which they continue the arc; those of the ellipse have the
     covariance given. `half_width` is half of the finger's width, NaN where this face does not show the pad's,
     of which the outline does not show the part `hidden`. `noise` is the standard deviation of the points on
-    the arc; `alike` neighbouring points share an error. Lengths are px. None where the points are too few.
+    the arc; `alike` neighbouring points share an error. Lengths are px. Too few points tell no exponent.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)
     if counts.sum() < _MIN_BLOCKS * alike:
-        return None
+        rough = np.diag((DOUBT.rough_std * ellipse.semi_axes) ** 2)
+        return ShapeAverage(ellipse, covariance + rough, 0.0, math.nan, math.nan)
     weights = np.sqrt(np.minimum(counts / alike, 1))
     given = ellipse.semi_axes
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
@@ -294,7 +285,7 @@ def average_over_shapes(
     plain_covariance = covariance + excess * np.outer(along, along) + np.outer(off, off)
     x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
     semi_x, semi_y = map(float, weight * more + (1 - weight) * given)
-    in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
+    in_quadrants = np.bincount(_quadrants(*curve.along_axes(bent.x)), weights=counts, minlength=4)
     shares = np.append(1, in_quadrants / counts.sum())
     return ShapeAverage(
         ellipse=PlaneEllipse(x * size, y * size, semi_x, semi_y, angle),
@@ -348,10 +339,6 @@ class _Curve(NamedTuple):
         )
         return self.fitted(np.append(held.x, exponents))
 
-    def quadrants(self, values: FloatArray) -> npt.NDArray[np.intp]:
-        """Return the number of the quadrant in which each point lies."""
-        return _quadrants(*self._local(values))
-
     def deviation(self, values: FloatArray) -> float:
         """Return the points' standard deviation from a superellipse, but for those that stand out.
 
@@ -363,7 +350,7 @@ class _Curve(NamedTuple):
         alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), DOUBT.most_alike)
         return math.sqrt(float(off @ off) / max(len(off) - 8, 3) * (1 + alike) / (1 - alike))
 
-    def _local(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def along_axes(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the points' places along the axes, over the semi-axes; values may be stacked."""
         cosine, sine = np.cos(values[..., 4, None]), np.sin(values[..., 4, None])
         x, y = (self.points[:, k] - values[..., k, None] for k in range(2))
@@ -372,7 +359,7 @@ class _Curve(NamedTuple):
 
     def _distances(self, values: FloatArray) -> FloatArray:
         """Return the points' distances from the curve, to first order."""
-        x, y = self._local(values)
+        x, y = self.along_axes(values)
         exponent: float | FloatArray = 2.0
         if values.shape[-1] > 5:
             each = values[..., 5, None] + np.take_along_axis(values[..., 6:], _quadrants(x, y), axis=-1)

@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
-from fingerpad.image.ellipse import evenly_spaced, outward_normals
+from fingerpad.image.ellipse import evenly_spaced, outward_normals, runs
 from fingerpad.image.levels import LUMA, linear_light, quadratic_surface, quadratic_terms
 from fingerpad.image.photograph.faces import STEPS, Direction, opposite
 
@@ -56,17 +56,11 @@ class Silhouette(NamedTuple):
         longest = longest_contour(self.mask)[:, 0, ::-1].astype(np.float64)
         rows, columns = self.mask.shape
         framed = (longest.min(axis=1) <= 1) | (longest[:, 0] >= rows - 2) | (longest[:, 1] >= columns - 2)
-        if framed.all():
+        between = runs(~framed)
+        if not between:
             return np.empty((0, 2))
-        if framed.any():
-            # The longest stretch between two meetings with the frame.
-            first = int(np.argmax(framed))
-            turned, cuts = np.roll(longest, -first, axis=0), np.flatnonzero(np.roll(framed, -first))
-            stretches = np.diff(np.append(cuts, len(turned)))
-            k = int(np.argmax(stretches))
-            longest = turned[cuts[k] + 1 : cuts[k] + stretches[k]]
-            # The contour of a mask runs along its pixels' middles, half a pixel inside.
-        smooth = _smooth_contour(longest, closed=not framed.any())
+        smooth = _smooth_contour(longest[max(between, key=len)], closed=not framed.any())
+        # The contour of a mask runs along its pixels' middles, half a pixel inside.
         return (smooth + 0.5) * self.reduction - 0.5
 
     def cut_sides(self) -> dict[Direction, npt.NDArray[np.intp]]:
@@ -271,15 +265,9 @@ class SubpixelOutline(NamedTuple):
     def within(self, window: Window) -> IndexArray:
         """Return the indices of the outline's points in the longest piece inside the region of interest."""
         rows, columns = window
-        row, column = self.points.T
-        inside = (row >= rows.start) & (row < rows.stop) & (column >= columns.start) & (column < columns.stop)
-        if inside.all():
-            return np.arange(len(inside))
-        start = int(np.argmin(inside)) if self.closed else 0
-        order = np.roll(np.arange(len(inside)), -start)
-        pieces = np.split(order, np.flatnonzero(np.diff(inside[order].astype(int))) + 1)
-        longest: IndexArray = max((piece for piece in pieces if inside[piece[0]]), key=len, default=order[:0])
-        return longest
+        first, end = (rows.start, columns.start), (rows.stop, columns.stop)
+        inside: BoolArray = np.all((self.points >= first) & (self.points < end), axis=1)
+        return max(runs(inside, closed=self.closed), key=len, default=np.arange(0))
 
 
 def locate_edges(
@@ -295,41 +283,14 @@ def locate_edges(
     points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
     normals = outward_normals(points, closed=closed)
     offsets = _even(reach + _BEYOND_PX, 1 / _DENSITY)
-    profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
-    blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
-    places, ratio = _fit_edges(profiles, offsets, blurs, weights, reach)
-    found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
-    moved = points + np.where(found, places, 0.0)[:, None] * normals
-    return SubpixelOutline(moved, found, float(blurs[0]), ratio, closed)
-
-
-def _profiles(
-    light: npt.NDArray[np.float32],
-    points: FloatArray,
-    normals: FloatArray,
-    offsets: FloatArray,
-    spacing: float,
-    *,
-    closed: bool,
-) -> FloatArray:
-    """Return the colour along each normal, (n, offsets, channels)."""
     spots = points[:, None] + offsets[:, None] * normals[:, None]
     samples = sample(light, spots[..., ::-1]).reshape(*spots.shape[:2], -1).astype(np.float64)
     # The outline is smooth over a few pixels: neighbours share their noise.
-    mode: Literal["wrap", "nearest"] = "wrap" if closed else "nearest"
-    return np.asarray(gaussian_filter1d(samples, _ALONG_PX / spacing, axis=0, mode=mode), dtype=np.float64)
-
-
-def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
-    """Return each channel's blur and weight, one over the variance that its own best model leaves."""
-    blurs, weights = np.empty(profiles.shape[2]), np.empty(profiles.shape[2])
-    freedom = len(offsets) - 5
-    for k in range(profiles.shape[2]):
-        left = [np.mean(_residual_squares(profiles[..., k], blur, reach)[0].min(axis=0)) for blur in _BLURS]
-        blurs[k] = _BLURS[int(np.argmin(left))]
-        # Rounding to 256 levels is the least noise there is.
-        weights[k] = 1 / (min(left) / freedom + _MIN_VARIANCE)
-    return blurs, weights
+    profiles = gaussian_filter1d(samples, _ALONG_PX / spacing, axis=0, mode="wrap" if closed else "nearest")
+    places, ratio, blur = _fit_edges(profiles, reach)
+    found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
+    moved = points + np.where(found, places, 0.0)[:, None] * normals
+    return SubpixelOutline(moved, found, blur, ratio, closed)
 
 
 def _residual_squares(profiles: FloatArray, blur: float, reach: float) -> tuple[FloatArray, FloatArray]:
@@ -357,24 +318,32 @@ def _even(half: float, step: float) -> FloatArray:
     return np.arange(-half, half + step / 2, step)
 
 
-def _fit_edges(
-    profiles: FloatArray, offsets: FloatArray, blurs: FloatArray, weights: FloatArray, reach: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves."""
-    each = [_residual_squares(profiles[..., k], blur, reach) for k, blur in enumerate(blurs)]
-    left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
-    steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
+def _fit_edges(profiles: FloatArray, reach: float) -> tuple[FloatArray, FloatArray, float]:
+    """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves.
+
+    With them comes the blur of the first channel.
+    """
+    count, samples, channels = profiles.shape
+    some = profiles[:: max(1, count // 150)]
+    blurs, left, steps = [], np.zeros(()), np.zeros(())
+    for k in range(channels):
+        tried = [np.mean(_residual_squares(some[..., k], blur, reach)[0].min(axis=0)) for blur in _BLURS]
+        blurs.append(float(_BLURS[int(np.argmin(tried))]))
+        # A channel counts by the variance that its own best model leaves. Rounding to 256 levels is the
+        # least noise there is.
+        weight = 1 / (min(tried) / (samples - 5) + _MIN_VARIANCE)
+        squares, step = _residual_squares(profiles[..., k], blurs[k], reach)
+        left, steps = left + weight * squares, steps + weight * step
     tries = _even(reach, _TRIAL_STEP)
     best = np.clip(left.argmin(axis=0), 1, len(tries) - 2)
-    which = np.arange(len(profiles))
+    which = np.arange(count)
     before, here, after = left[best - 1, which], left[best, which], left[best + 1, which]
     bend = before - 2 * here + after
     with np.errstate(divide="ignore", invalid="ignore"):
         shift = np.where(bend > 0, 0.5 * (before - after) / bend, np.nan)
         places = np.where(np.abs(shift) <= 1, tries[best] + shift * _TRIAL_STEP, np.nan)
-        freedom = profiles.shape[2] * (len(offsets) - 4) - 1
-        ratio = np.sqrt(steps[best, which] / np.maximum(here / freedom, 1e-12))
-    return places, ratio
+        ratio = np.sqrt(steps[best, which] / np.maximum(here / (channels * (samples - 4) - 1), 1e-12))
+    return places, ratio, blurs[0]
 
 
 def _model(depths: FloatArray, offsets: FloatArray, blur: float) -> FloatArray:
