@@ -157,7 +157,7 @@ _PHOTOGRAPH: Final = (
     Flag(
         "uncertain",
         "a semi-axis is known to no better than 2 percent",
-        "take a sharper picture of the whole pad, or photograph another face too",
+        "take a sharper picture or more of the outline, or add another face",
     ),
     Flag(
         "many_outliers",

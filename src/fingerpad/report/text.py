@@ -59,7 +59,7 @@ _REMEDIES: Final[Mapping[str, str]] = {
     "indentation_against_curve": _ON_LAYER,
     "shape": _SHAPE,
     "shape_on_layer": _SHAPE,
-    "area_against_load": "give E and ξ with their load: they differ from load to load",
+    "area_against_load": "give E and ξ with their load, by which they differ; of a sequence check its timing",
     AREA_FALLS: "check loads and outlines of these contacts: under more load an area does not get smaller",
     "youngs_modulus_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
     "indentation_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
