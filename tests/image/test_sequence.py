@@ -24,7 +24,7 @@ from fingerpad.image import (
     sequence_summary,
 )
 from fingerpad.image.sequence.force import zero_before_contact
-from fingerpad.image.sequence.jump import find_jump
+from fingerpad.image.sequence.result import find_jump
 from fingerpad.simulate import render_sequence
 
 FPS, CONTACT = 20.0, 8

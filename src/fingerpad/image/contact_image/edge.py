@@ -125,8 +125,11 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
         edge = replace(edge, signs=signs, differs=differs, fade=_fade(signs) * edge.period)
     if edge.fade > _MOST_FADE * edge.period:
         raise ImageError(_NO_EDGE)
+    # The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
+    # beyond a ridge that it follows. Without resolved ridges there may be such ends or none: half of it.
+    beyond = EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
     rows, columns = region.patch.shape
-    return replace(edge, points=edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5]))
+    return replace(edge, points=edge.moved(beyond).clip(-0.5, [columns - 0.5, rows - 0.5]))
 
 
 def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
@@ -269,16 +272,6 @@ def _profiles(
     x, y = (as_float32(points[:, k]) + out * as_float32(normals[:, k]) for k in (0, 1))
     levels = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
     return levels.astype(np.float64)
-
-
-def edge_shift(edge: Edge) -> float:
-    """Return how far the true edge lies beyond the closed ridges on average, px.
-
-    The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
-    beyond a ridge that it follows. Without resolved ridges there may be such ends or none: half of it. A
-    contact that fades reaches further.
-    """
-    return EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:

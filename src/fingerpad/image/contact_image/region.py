@@ -77,7 +77,7 @@ def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) ->
 def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: View) -> int:
     """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
     if seed is None:
-        return int(np.argmax([_prominence(patch) for patch in patches])) if len(patches) > 1 else 0
+        return int(np.argmax([_prominence(patch) for patch in patches]))
     place = view.to_copy_pixel(*seed)
     for k, patch in enumerate(patches):
         if place is not None and patch[place]:
@@ -141,7 +141,7 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -
     if cut is None:
         return [patch]
     canvas = patch.astype(np.uint8)
-    cv2.line(canvas, cut[0], cut[1], 0, 1, cv2.LINE_4)
+    cv2.polylines(canvas, [cut], False, 0, 1, cv2.LINE_4)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(canvas, connectivity=4)
     areas = stats[:, cv2.CC_STAT_AREA]
     least = _MIN_PART * areas[1:].max(initial=0)
@@ -151,20 +151,18 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -
     return [piece for part in parts for piece in _split_at_necks(part, period, depth - 1)]
 
 
-def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, int]] | None:
+def _neck(patch: BoolArray, period: float) -> npt.NDArray[np.int32] | None:
     """Return the ends (x, y) of the best cut across a neck, None where there is none."""
     contour = longest_contour(patch)
     notches, depths = _notches(contour, _MIN_NOTCH * period)
     points = contour.reshape(-1, 2).astype(np.float64)
-    best, best_ratio = None, _NECK_RATIO
-    for start, depth in zip(notches, depths, strict=True):
-        for end in _opposite(points, int(start), notches, float(depth), period):
-            ratio = _narrowness(points, int(start), int(end))
-            if ratio < best_ratio:
-                best_ratio = ratio
-                (x0, y0), (x1, y1) = points[start].astype(int), points[end].astype(int)
-                best = ((int(x0), int(y0)), (int(x1), int(y1)))
-    return best
+    ratios = {
+        (start, end): _narrowness(points, start, end)
+        for start, depth in zip(notches.tolist(), depths.tolist(), strict=True)
+        for end in _opposite(points, start, notches, depth, period)
+    }
+    best = min(ratios, key=lambda ends: ratios[ends], default=None)
+    return None if best is None or ratios[best] >= _NECK_RATIO else contour[list(best)]
 
 
 def _notches(contour: npt.NDArray[np.int32], least_depth: float) -> tuple[npt.NDArray[np.intp], FloatArray]:
@@ -182,7 +180,7 @@ def _opposite(
     points: FloatArray, start: int, notches: npt.NDArray[np.intp], depth: float, period: float
 ) -> list[int]:
     """Return the ends that a cut from a notch may have: other notches, or for a deep one the far side."""
-    ends = [int(k) for k in notches if k != start]
+    ends: list[int] = notches[notches != start].tolist()
     count = len(points)
     if depth > _DEEP_NOTCH * period:
         away = np.abs((np.arange(count) - start + count // 2) % count - count // 2)
