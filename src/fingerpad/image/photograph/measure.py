@@ -4,6 +4,8 @@ The finger is separated from the backdrop by colour, its outline located to a fr
 the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import replace
 from typing import Any

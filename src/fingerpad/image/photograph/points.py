@@ -1,5 +1,7 @@
 """Outlines of faces given as points, and the files of points and marks."""
 
+from __future__ import annotations
+
 import math
 from os import PathLike
 from pathlib import Path
