@@ -20,9 +20,10 @@ from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest.models import Curve, Observation, Uncertainty
+from fingerpad.study.manifest.models import Curve, Observation, Study, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
+from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import ValidityRecord
@@ -116,9 +117,18 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
     return Pressed(float(area), float(elongation), float(indentation))
 
 
-def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, dict[str, float]]:
-    """Measure a pad with errors of every input; return what the study says, and what is true of it."""
-    rng = np.random.default_rng([seed, 17])
+class Measured(NamedTuple):
+    """A study of one finger under one wedge, its contacts, and the true radii of curvature."""
+
+    study: Study
+    pad: FingerResult
+    wedge: float
+    rows: Rows
+    radii: tuple[float, float]
+
+
+def measured(truth: Truth, rng: Rng) -> Measured:
+    """Measure contacts of a pad with errors of every input."""
     # Pads with the place of contact longer across the finger, as fingers have it.
     axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
     true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
@@ -128,6 +138,13 @@ def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, di
     thickness: dict[str, Any] = {"effective_thickness": t, "effective_thickness_std": t and 0.1 * t}
     pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
     rows = Rows(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
+    return Measured(study, pad, wedge, rows, radii)
+
+
+def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, dict[str, float]]:
+    """Return what a study says of the model, and what is true of its contact at the highest load."""
+    rng = np.random.default_rng([seed, 17])
+    study, pad, wedge, rows, radii = measured(truth, rng)
     summaries = pool_contacts(rows)
     curve = _curve(truth, radii, (wedge, pad.semi_axes), rng, folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
