@@ -1,7 +1,7 @@
 """Measure again what the documentation states, or list what there is.
 
 A table is printed; with --store it also becomes benchmarks/results/NAME.md, which the documentation
-includes. Without keys the sample is that of the stored table.
+includes. Without options the sample is that of the stored table.
 """
 
 import argparse
@@ -12,14 +12,13 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from datetime import date
 from io import StringIO
 from typing import Any
 
 from benchmarks import RESULTS, ROOT, modules
-
-Sample = dict[str, int | float | str | bool]
 
 
 class _Copied(StringIO):
@@ -54,17 +53,23 @@ def _module(name: str) -> Any:
         sys.exit(f"{name} needs the package {error.name}: `make setup` installs what benchmarks need")
 
 
-def drawn(name: str, module: Any, sample: Sample) -> Sample:
-    """Return all arguments of a benchmark, those that are not given by their defaults."""
-    try:
-        bound = inspect.signature(module.report).bind(**sample)
-    except TypeError as error:
-        sys.exit(f"{name}: {error}; `python -m benchmarks {name} --help` lists its keys")
-    bound.apply_defaults()
-    return bound.arguments
+def options_of(name: str, module: Any) -> argparse.ArgumentParser:
+    """Return what reads the options of a benchmark: one for each argument of its report."""
+    texts = [inspect.cleandoc(text) for text in (module.__doc__, module.report.__doc__)]
+    end = f"The defaults are the sample of benchmarks/results/{name}.md, which --store replaces."
+    parser = argparse.ArgumentParser(
+        prog=f"python -m benchmarks {name}",
+        description="\n\n".join([*texts, end]),
+        formatter_class=argparse.RawTextHelpFormatter,
+    )
+    for key, one in inspect.signature(module.report).parameters.items():
+        option = f"--{key.replace('_', '-')}"
+        parser.add_argument(option, type=type(one.default), default=one.default, help="default: %(default)s")
+    parser.add_argument("--store", action="store_true", help="write the table into benchmarks/results")
+    return parser
 
 
-def sample_words(sample: Sample) -> str:
+def sample_words(sample: Mapping[str, object]) -> str:
     """Return a sample as the foot of a stored table states it: "; count 24; seed 8"."""
     return "".join(
         f"; {key.replace('_', ' ')} {value}"
@@ -73,14 +78,14 @@ def sample_words(sample: Sample) -> str:
     )
 
 
-def measure(name: str, given: Sample, *, store: bool = False) -> None:
+def measure(name: str, options: Sequence[str]) -> None:
     """Run a benchmark, and print its table and the foot that states how it was made; store them if asked."""
     module = _module(name)
-    sample = drawn(name, module, given)
-    commit = _commit()
+    sample = vars(options_of(name, module).parse_args(options))
+    store, commit = sample.pop("store"), _commit()
     with redirect_stdout(_Copied()) as shown:
         module.report(**sample)
-    command = " ".join([name, *(f"{key}={value}" for key, value in given.items())])
+    command = " ".join([name, *(word for word in options if word != "--store")])
     foot = f"*`python -m benchmarks {command}`, {date.today()}, commit {commit}{sample_words(sample)}.*"
     print(f"\n{foot}")
     if store:
@@ -90,58 +95,24 @@ def measure(name: str, given: Sample, *, store: bool = False) -> None:
         (RESULTS / f"{name}.md").write_text(f"{body}\n\n{foot}\n", encoding="utf-8")
 
 
-def explain(name: str) -> None:
-    """Print the keys of a benchmark with their defaults, and what it measures."""
-    module = _module(name)
-    keys = (f"[{key}={one.default}]" for key, one in inspect.signature(module.report).parameters.items())
-    print(" ".join(["usage: python -m benchmarks", name, *keys, "[--store]"]))
-    for text in (module.__doc__, module.report.__doc__):
-        print(f"\n{inspect.cleandoc(text)}")
-    print(f"\nThe defaults are the sample of benchmarks/results/{name}.md, which --store replaces.")
-
-
-def _value(text: str) -> int | float | str | bool:
-    try:
-        value: int | float | str | bool = ast.literal_eval(text)
-    except (SyntaxError, ValueError):
-        return text
-    return value
-
-
 def main() -> None:
     """Run what the command line asks for."""
     known = modules()
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        add_help=False,
+        prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("name", nargs="?", choices=[*known, "all"], metavar="NAME", help="what to measure")
-    parser.add_argument("sample", nargs="*", metavar="KEY=VALUE", help="another sample, as seed=3")
-    parser.add_argument("--store", action="store_true", help="write the table into benchmarks/results")
-    parser.add_argument("-h", "--help", action="store_true", help="show this, or the keys of NAME, and exit")
-    asked = parser.parse_intermixed_args()
+    parser.add_argument("options", nargs=argparse.REMAINDER, help="NAME --help lists them")
+    asked = parser.parse_args()
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
-    if asked.help and asked.name in known:
-        explain(asked.name)
-    elif asked.help:
-        parser.print_help()
-    elif asked.name is None:
+    if asked.name is None:
         for name, module in known.items():
             source = ROOT.joinpath(*module.split(".")).with_suffix(".py").read_text(encoding="utf-8")
             print(f"{name:<20} {(ast.get_docstring(ast.parse(source)) or '').splitlines()[0]}")
-    else:
-        given = {}
-        for text in asked.sample:
-            key, equals, value = text.partition("=")
-            if not equals:
-                parser.error(f"{text}: write KEY=VALUE, as seed=3")
-            given[key] = _value(value)
-        for name in known if asked.name == "all" else [asked.name]:
-            print(f"\n{name}", file=sys.stderr)
-            measure(name, given, store=asked.store)
+    for name in known if asked.name == "all" else filter(None, [asked.name]):
+        print(f"\n{name}", file=sys.stderr)
+        measure(name, asked.options)
 
 
 if __name__ == "__main__":

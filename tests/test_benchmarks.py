@@ -23,36 +23,40 @@ def test_every_benchmark_says_what_it_measures_and_needs_no_argument(name):
     inspect.signature(module.report).bind()
 
 
-def test_help_names_the_keys_with_their_defaults(capsys):
-    command.explain("photographs")
-    shown = capsys.readouterr().out
-    assert shown.startswith("usage: python -m benchmarks photographs [count=192] [first=75000] [--store]")
+def test_help_names_the_options_with_their_defaults(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        command.measure("photographs", ["--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert shown.startswith("usage: python -m benchmarks photographs")
+    assert "--count COUNT default: 192 --first FIRST default: 75000" in shown
     assert "rendered fingers" in shown
 
 
 def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command, "RESULTS", tmp_path)
-    command.measure("area_exponents", {"repeats": 2})
+    command.measure("area_exponents", ["--repeats", "2"])
     assert "| of each frame |" in capsys.readouterr().out
     assert not list(tmp_path.iterdir())
-    command.measure("area_exponents", {"repeats": 2}, store=True)
+    command.measure("area_exponents", ["--repeats", "2", "--store"])
     table, foot = (tmp_path / "area_exponents.md").read_text(encoding="utf-8").rsplit("\n\n", 1)
     assert "| of each frame |" in table
-    assert foot.startswith("*`python -m benchmarks area_exponents repeats=2`, 20")
+    assert foot.startswith("*`python -m benchmarks area_exponents --repeats 2`, 20")
     assert foot.endswith("; repeats 2.*\n")
 
 
-def test_a_key_a_package_and_prints_that_are_missing_are_named(monkeypatch, tmp_path):
+def test_an_option_a_package_and_prints_that_are_missing_are_named(monkeypatch, tmp_path, capsys):
     monkeypatch.delitem(sys.modules, modules()["simulators"], raising=False)
     monkeypatch.setitem(sys.modules, "mujoco", None)
     monkeypatch.setenv("FINGERPAD_PRINTS", str(tmp_path))
-    for name, keys, words in (
-        ("coins", {"seeds": 3}, r"'seeds'; `python -m benchmarks coins --help` lists its keys"),
-        ("simulators", {}, "simulators needs the package mujoco: `make setup` installs"),
-        ("real_prints", {}, "FINGERPAD_PRINTS names where they lie"),
+    for name, words in (
+        ("simulators", "simulators needs the package mujoco: `make setup` installs"),
+        ("real_prints", "FINGERPAD_PRINTS names where they lie"),
     ):
         with pytest.raises(SystemExit, match=words):
-            command.measure(name, keys)
+            command.measure(name, [])
+    with pytest.raises(SystemExit):
+        command.measure("coins", ["--seeds", "3"])
+    assert "unrecognized arguments: --seeds 3" in capsys.readouterr().err
 
 
 def test_texts_name_benchmarks_that_are_there():
@@ -82,10 +86,10 @@ def test_every_stored_result_has_its_module_and_a_page():
 
 @pytest.mark.parametrize("name", included())
 def test_a_stored_result_says_when_of_what_and_how_it_was_made(name):
-    """Without keys its command draws the sample that it states."""
+    """Without options its command draws the sample that it states."""
     *_, last = (RESULTS / f"{name}.md").read_text(encoding="utf-8").splitlines()
     assert re.match(rf"\*`python -m benchmarks {name}`, 20\d\d-\d\d-\d\d, commit [0-9a-f]{{8}}", last)
-    sample = command.drawn(name, importlib.import_module(modules()[name]), {})
+    sample = vars(command.options_of(name, importlib.import_module(modules()[name])).parse_args([]))
     assert command.sample_words(sample) in last or "; copied from the documentation" in last
 
 

@@ -1,6 +1,6 @@
 """Virtual labs: whole studies of fingers whose truth is known, to see whether 95 % intervals hold it.
 
-``python -m benchmarks virtual_labs labs=24 first_seed=100`` makes studies from the physics
+``python -m benchmarks virtual_labs --first-seed 100`` makes studies from the physics
 alone, runs ``fingerpad run`` on each and compares what it writes with the truth. Nothing here imports
 ``fingerpad``: the pad, its contact on deep tissue or on a layer bonded to bone, contact images,
 photographs, outlines and loading curves have code of their own.
