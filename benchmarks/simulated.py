@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.arrays import Array
 from fingerpad._arrays import ArrayLike
-from fingerpad.study.manifest.models import Observation, Study
+from fingerpad.study.manifest.models import Finger, Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 
@@ -36,8 +36,9 @@ def study_of(
 
 
 def finger(name: str, axes: Array, std: float = EXACT, **more: Any) -> FingerResult:
-    """Return a finger whose semi-axes were given."""
-    return FingerResult(name=name, semi_axes=axes, covariance=std**2 * np.eye(3), source="given", **more)
+    """Return a finger whose semi-axes were given; `more` is what its manifest says beside them."""
+    manifest = Finger(name=name, **more)
+    return FingerResult(manifest=manifest, semi_axes=axes, covariance=std**2 * np.eye(3), source="given")
 
 
 def contact(

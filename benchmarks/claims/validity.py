@@ -135,7 +135,7 @@ def measured(truth: Truth, rng: Rng) -> Measured:
     radii = principal_radii(axes, true_wedge)
     study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
     t = truth.stated_thickness
-    thickness: dict[str, Any] = {"effective_thickness": t, "effective_thickness_std": t and 0.1 * t}
+    thickness: dict[str, Any] = {"effective_thickness_mm": t, "effective_thickness_mm_std": t and 0.1 * t}
     pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
     rows = Rows(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
     return Measured(study, pad, wedge, rows, radii)

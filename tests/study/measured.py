@@ -6,7 +6,7 @@ import numpy as np
 from tests.studies import PAD
 from tests.studies import sequence as sequence_of_frames
 
-from fingerpad.study.manifest.models import ContactSequence, Observation
+from fingerpad.study.manifest.models import ContactSequence, Finger, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 
@@ -18,7 +18,12 @@ SEQUENCE = ContactSequence.model_validate(
 
 def pad(std: float = 0.1, **more: Any) -> FingerResult:
     """Return the finger ``f`` whose semi-axes are independent and so uncertain."""
-    given = {"name": "f", "semi_axes": AXES, "covariance": std**2 * np.eye(3), "source": "given"}
+    given = {
+        "manifest": Finger(name="f"),
+        "semi_axes": AXES,
+        "covariance": std**2 * np.eye(3),
+        "source": "given",
+    }
     return FingerResult(**{**given, **more})
 
 

@@ -180,7 +180,11 @@ def pressed(tmp_path_factory) -> tuple[StudyResult, Path]:
 
 
 def on_layer(result: StudyResult, thickness: float | None, std: float | None = None) -> CurveOnLayer | None:
-    known = replace(result.fingers["f"], effective_thickness=thickness, effective_thickness_std=std)
+    pad, stated = (
+        result.fingers["f"],
+        {"effective_thickness_mm": thickness, "effective_thickness_mm_std": std},
+    )
+    known = replace(pad, manifest=pad.manifest.model_copy(update=stated))
     return curve_on_layer(result.study, known, result.curves[0])
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.study.manifest.models import Finger
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.rows import _curvature_disagrees, _outline_radii
 
@@ -12,7 +13,7 @@ AXES = np.array([7.9, 13.8, 11.8])
 
 def finger(*sides, std=0.1):
     return FingerResult(
-        name="f",
+        manifest=Finger(name="f"),
         semi_axes=AXES,
         covariance=std**2 * np.eye(3),
         source="photographs",
@@ -56,7 +57,8 @@ def test_the_pads_radius_lies_between_ellipsoid_and_outline_and_near_the_latter_
     # Where no outline shows the place, nothing moves, and more is open than where none was looked at.
     assert differs.shape_deviation(30, 5)[:2] == (0.0, pytest.approx(0.1))
     assert differs.shape_deviation(60, 0)[:2] == (0.0, pytest.approx(0.2))
-    given = FingerResult(name="f", semi_axes=AXES, covariance=np.eye(3), source="given")
+    manifest = Finger(name="f")
+    given = FingerResult(manifest=manifest, semi_axes=AXES, covariance=np.eye(3), source="given")
     assert given.shape_deviation(30, 0) == (0.0, 0.0, 0.0)
 
 

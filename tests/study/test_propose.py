@@ -91,7 +91,7 @@ def test_edits(tmp_path):
         empty(tmp_path),
         [
             NewFile(file="a/IMG 1.png", load_N=1.0, scale="500 ppi", **known),
-            NewFile(file="b/IMG 1.png", scale="500 ppi", session="2", **known),
+            NewFile(file="b/img 1.png", scale="500 ppi", session="2", **known),
             NewFile(file="c.png", use="observation"),
             NewFile(file="coin.png", use="coin", diameter_mm=23.25),
             NewFile(file="p.jpg", use="photograph", scale="coin in coin.png", **face),
@@ -111,7 +111,7 @@ def test_edits(tmp_path):
         ("finger", "left_index", {}),
         ("scale", "500_ppi", {"ppi": 500.0}),
         ("observation", "IMG_1", {**contact, "load_N": 1.0, "file": "a/IMG 1.png", **made}),
-        ("observation", "IMG_1_2", {**contact, "session": "2", "file": "b/IMG 1.png", **made}),
+        ("observation", "img_1_2", {**contact, "session": "2", "file": "b/img 1.png", **made}),
         ("scale", "coin", {"coin": "coin.png", "diameter_mm": 23.25}),
         ("photograph", "left_index/p.jpg", {"face": "palmar", "scale": "coin", **made}),
         ("photograph", "left_index/o.csv", {"face": "radial", "outline": "o.csv", **made}),

@@ -96,7 +96,7 @@ def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) ->
     finger = result.fingers[summary.finger]
     if not finger.has_semi_axes:
         return
-    if finger.effective_thickness is None:
+    if finger.manifest.effective_thickness_mm is None:
         yield from _conditional(result, summary)
     elif with_section:
         yield from _section(result, summary)

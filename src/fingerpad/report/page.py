@@ -101,7 +101,7 @@ def write_page(
             missing=list(_missing(result, found)),
             first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
-            thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
+            thick=any(finger.effective_thickness_mm is not None for finger in result.study.fingers),
         )
         page.enable_buffering()
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:

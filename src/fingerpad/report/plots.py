@@ -302,7 +302,7 @@ def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Itera
     nu = result.study.poisson_ratio
     if (stated := curve_on_layer(result.study, finger, curve)) and not stated.flag:
         modulus = stated.quantities["youngs_modulus_from_indentation_on_layer"]
-        tissue = Tissue(modulus.value / KPA_PER_MPA, nu, finger.effective_thickness or np.inf)
+        tissue = Tissue(modulus.value / KPA_PER_MPA, nu, finger.manifest.effective_thickness_mm or np.inf)
         # Its uncertainty holds that of the thickness.
         stds, moved = {"youngs_modulus": modulus.std / KPA_PER_MPA}, stated.contact_shift
         words = "tissue of the stated thickness on bone"

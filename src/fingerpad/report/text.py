@@ -407,7 +407,7 @@ def _curve_flags(curve: CurveResult, result: StudyResult) -> Iterator[Flag]:
     for flag in flags_in(fit.flags, "curve", notes=fit.notes) if fit else ():
         said = flag
         if curve.layer is not None and (said := beside_a_layer(flag)) != flag:
-            thick = result.fingers[curve.manifest.finger].effective_thickness is not None
+            thick = result.fingers[curve.manifest.finger].manifest.effective_thickness_mm is not None
             state = "" if thick else _thickness_keys(curve.layer)
             said = replace(said, to_do=state or "take E of the layer fitted beside it, where it tells one")
         yield said

@@ -104,9 +104,6 @@ class Person(NamedTuple):
     named: bool  # whether the manifest names the person, who is then the same in all studies
 
 
-_PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
-
-
 def _fields(of: object, *names: str) -> dict[str, Any]:
     return {name: getattr(of, name) for name in names}
 
@@ -126,7 +123,8 @@ class OfFinger(Displayed):
     def as_record(self) -> dict[str, Any]:
         """Return one row of a table."""
         person = self.person.name if self.person.named else None
-        return {"study": self.study, "person": person, "finger": self.finger, **_fields(self, *_PLACED)}
+        placed = _fields(self, "wedge_angle_deg", "roll_angle_deg", "synthetic")
+        return {"study": self.study, "person": person, "finger": self.finger, **placed}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

@@ -21,7 +21,7 @@ from uuid import uuid4
 
 from fingerpad._files import folded
 from fingerpad.exceptions import ArchiveError
-from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.log import CORRECTIONS_LOCK, CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME, locked
@@ -32,7 +32,7 @@ from fingerpad.study.results.result_set import OUTPUT_NAMES, RESULTS_NAME
 DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME)
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
 # Lock files of running programs.
-_LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))
+_LOCKS: Final = frozenset((LOCK_NAME, CORRECTIONS_LOCK))
 # What is in no file name on Windows, and the names that are devices there.
 _NOWHERE: Final = '\\:*?"<>|'
 _DEVICE: Final = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)

@@ -27,7 +27,7 @@ from fingerpad.study.manifest.models import (
     Study,
     validated,
 )
-from fingerpad.study.measuring.fingers import FingerResult, given_pad, stated
+from fingerpad.study.measuring.fingers import FingerResult, given_pad
 from fingerpad.study.results.load import Results, read_rows
 from fingerpad.study.results.result_set import RERUN, quick_faults, result_files, result_set_stamp
 from fingerpad.study.results.summary_file import SummaryFile
@@ -335,12 +335,12 @@ class StudySession:
             return None
         radii = (one.outline_radii_deg_mm for one in record.photographs)
         return FingerResult(
+            manifest=finger,
             semi_axes=np.array(record.semi_axes_mm),
             covariance=np.array(record.covariance_mm2),
             source="photographs",
             outline_radii=tuple(tuple(one) for one in radii if one),
             scale=record.scale,
-            **(stated(finger) | {"synthetic": record.synthetic}),
         )
 
 

@@ -155,15 +155,16 @@ def contact_options(
     contact: Contact, folder: Path, correction: ContactCorrection = NOTHING
 ) -> image.ContactImageOptions:
     """Return how a contact's picture is measured, as the manifest and a person say."""
-    window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
-    seed = _first(correction.seed_px, contact.seed_px)
+    wanted = {key: value for key in CORRECTIONS if (value := getattr(correction, key)) is not None}
+    said = contact.model_copy(update=wanted)
+    window, seed = said.region_of_interest_px, said.seed_px
     return {
         "background": _background(contact, folder),
         "seed": None if seed is None else (seed[0], seed[1]),
-        "mask": _first(correction.mask_px, contact.mask_px),
+        "mask": said.mask_px,
         "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
-        "dark_on_light": _first(correction.dark_on_light, contact.dark_on_light),
-        "threshold": _first(correction.threshold, contact.threshold),
+        "dark_on_light": said.dark_on_light,
+        "threshold": said.threshold,
         "surface": contact.surface,
     }
 
@@ -256,7 +257,7 @@ def corrected_photograph(
             tip=tip,
             palmar=palmar,
         )
-    window = _first(wanted.region_of_interest_px, photograph.region_of_interest_px)
+    window = wanted.region_of_interest_px or photograph.region_of_interest_px
     found = image.measure_photograph(
         pixels,
         photograph.face,
@@ -294,8 +295,3 @@ def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -
 
 def _first_frame(path: Path) -> Any:
     return with_first_frame(image.open_frames(path), {"surface": "smooth"})["background"]
-
-
-def _first(wanted: Any, given: Any) -> Any:
-    """Return what a person wants, or else what the manifest says."""
-    return given if wanted is None else wanted

@@ -307,7 +307,7 @@ def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> Co
     return target.model_copy(update={**settings, "accepted": False, "rejected": None})
 
 
-_LOCK: Final = ".corrections.lock"
+CORRECTIONS_LOCK: Final = ".corrections.lock"
 _MOST_NAME: Final = 200
 
 
@@ -472,7 +472,7 @@ class CorrectionLog:
         who = " ".join(who.split())
         if not 0 < len(who) <= _MOST_NAME:
             raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
-        with self._lock, locked(self._path, self._path.with_name(_LOCK)):
+        with self._lock, locked(self._path, self._path.with_name(CORRECTIONS_LOCK)):
             history = self.history(item)
             if history.last_id != expected:
                 latest = history.records[-1] if history.records else None

@@ -373,7 +373,7 @@ _CHANGES: Final[Mapping[Kind, Callable[[StudyFiles, Edit], None]]] = {
 }
 
 
-def apply_edit(files: StudyFiles, edit: Edit) -> None:
+def _apply(files: StudyFiles, edit: Edit) -> None:
     """Make one edit in the documents of a study."""
     if edit.kind not in _CHANGES:
         raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
@@ -424,5 +424,5 @@ def change_study(
                 "look at it again before you do"
             )
         for edit in edits:
-            apply_edit(files, edit)
+            _apply(files, edit)
         return files.write()

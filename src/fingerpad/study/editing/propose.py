@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 from typing import Any, Final, cast, get_args
 
 from fingerpad._csv import package_table
+from fingerpad._files import folded
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
@@ -191,15 +192,18 @@ def proposed_edits(loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: 
 
 
 class _Proposing:
+    """The edits that add files to a study, made one file after the other."""
+
     def __init__(self, loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool) -> None:
         self.files = files
         self.own = {"synthetic": True if synthetic else None}
         keys = {kind: {one.key for one in loaded.tables if one.kind == kind} for kind in ("scale", "finger")}
-        self.scales, self.fingers = keys["scale"], keys["finger"]
-        self.taken = {one.key for one in loaded.tables if one.kind in {"observation", "sequence"}}
+        self.scales, self.fingers = keys["scale"], keys["finger"]  # fingers that are added as well
+        contacts = (one.key for one in loaded.tables if one.kind in {"observation", "sequence"})
+        # As `names.free_name` takes them.
+        self.taken, self.taken_scales = set(map(folded, contacts)), set(map(folded, self.scales))
         self.curves = sum(one.kind == "curve" for one in loaded.tables)
-        self.known = frozenset(self.scales)
-        self.named: dict[str, str] = {}
+        self.named: dict[str, str] = {}  # scales that are added, by how they are written
         self.uses = Counter(one.scale for one in files if "scale" in TAKES.get(one.use, ()))
         self.force = next((one.file for one in files if one.use == "force"), None)
         self.edits: list[Edit] = []
@@ -244,11 +248,11 @@ class _Proposing:
         self.edits.append(Edit(kind=kind, key=key, set=said))
 
     def _name(self, new: NewFile) -> str:
-        return _free(names.plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
+        return names.free_name(names.plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
 
     def _scale(self, written: str) -> Any:
         """Return the name of a scale, added where several files share it; else its table."""
-        if not written or written in self.known:
+        if not written or written in self.scales:
             return written
         if not written.startswith(COIN):
             table: dict[str, Any] = {**names.scale_in(written)}
@@ -261,16 +265,6 @@ class _Proposing:
             if diameter := next((one.diameter_mm for one in self.files if one.file == file), None):
                 table["diameter_mm"] = diameter
         if written not in self.named:
-            self.named[written] = _free(name, self.scales)
+            self.named[written] = names.free_name(name, self.taken_scales)
             self._edit("scale", self.named[written], **table)
         return self.named[written]
-
-
-def _free(stem: str, taken: set[str]) -> str:
-    """Return a name that is not taken, and take it."""
-    number, name = 1, stem
-    while name in taken:
-        number += 1
-        name = f"{stem}_{number}"
-    taken.add(name)
-    return name

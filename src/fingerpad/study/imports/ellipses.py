@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from fingerpad._csv import write_csv
 from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
-from fingerpad.study.imports.names import Field, NamePattern, plain_name
+from fingerpad.study.imports.names import Field, NamePattern, free_name, plain_name
 from fingerpad.study.manifest.models import Load, Name, RollAngle, WedgeAngle, validated
 
 # What an ellipse does not tell of its contact.
@@ -116,7 +116,7 @@ def manual_observations(
             values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
         content = {
             **values,
-            "name": _name(ellipse.label, names),
+            "name": free_name(_plain_label(ellipse.label), names),
             "semi_major_mm": major,
             "semi_minor_mm": minor,
             "ellipse_mm_std": math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
@@ -153,15 +153,9 @@ def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
     return "along" if abs(from_finger) <= 45 else "across"
 
 
-def _name(label: str, taken: set[str]) -> str:
-    """Return a name that a manifest takes, unlike all others even where case does not count."""
-    base = plain_name(re.sub(_SUFFIX, "", label, flags=re.IGNORECASE))[:_LONGEST_NAME] or "contact"
-    name, number = base, 1
-    while name.casefold() in taken:
-        number += 1
-        name = f"{base}_{number}"
-    taken.add(name.casefold())
-    return name
+def _plain_label(label: str) -> str:
+    """Return a label as a name that a manifest takes, with room for a number."""
+    return plain_name(re.sub(_SUFFIX, "", label, flags=re.IGNORECASE))[:_LONGEST_NAME] or "contact"
 
 
 def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:

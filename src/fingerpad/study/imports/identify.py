@@ -313,15 +313,11 @@ def _table_uses(path: Path) -> dict[names.Use, float]:
     }
     if has["force"] and has["travel"]:
         # Beside a sequence the platen's displacement may be recorded too.
-        share = (
-            0.04
-            if not has["time"]
-            else 0.95
-            if has["trigger"]
-            else 0.7
-            if names.names_a_force(path.name)
-            else 0.04
-        )
+        share = 0.04
+        if has["time"] and has["trigger"]:
+            share = 0.95
+        elif has["time"] and names.names_a_force(path.name):
+            share = 0.7
         return {"curve": 0.99 - share, "force": share, "": 0.01}
     with suppress(ManifestError):  # of a table that names no files
         if any(row.values for row in file_table(table).rows):

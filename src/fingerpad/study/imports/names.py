@@ -13,6 +13,7 @@ from typing import Any, Final, Literal, TypeAlias, cast, get_args
 from typing_extensions import TypedDict  # for pydantic, before Python 3.12
 
 from fingerpad import units
+from fingerpad._files import folded
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 
@@ -103,6 +104,16 @@ def plain_name(text: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", text.strip()).strip("_.+-")[:60]
 
 
+def free_name(stem: str, taken: set[str]) -> str:
+    """Return a name unlike all `taken` ones even where case does not count, and take it as `folded`."""
+    number, name = 1, stem
+    while folded(name) in taken:
+        number += 1
+        name = f"{stem}_{number}"
+    taken.add(folded(name))
+    return name
+
+
 _KEYS: Final = {"load": "load_N", "wedge": "wedge_angle_deg", "roll": "roll_angle_deg", "role": "use"}
 
 
@@ -139,13 +150,11 @@ def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
     """Return the table of a scale that is written as a number with its unit."""
     found = _QUANTITY.fullmatch(text)
     said = ((found and found[2]) or unit or "").casefold()
-    if said in FACTORS["mm_per_px"]:
-        return {"mm_per_px": number_in(text, "mm_per_px", said)}
-    if said in FACTORS["px_per_mm"]:
-        return {"mm_per_px": float(f"{1 / number_in(text, 'px_per_mm', said):.12g}")}
-    if said in FACTORS["ppi"]:
-        return {"ppi": number_in(text, "ppi", said)}
-    raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
+    way = next((way for way in ("mm_per_px", "px_per_mm", "ppi") if said in FACTORS[way]), None)
+    if way is None:
+        raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
+    value = number_in(text, way, said)
+    return {"mm_per_px": float(f"{1 / value:.12g}")} if way == "px_per_mm" else {way: value}
 
 
 def scale_words(scale: object) -> str:

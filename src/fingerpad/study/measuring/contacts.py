@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
-from fingerpad._records import from_record
+from fingerpad._records import fields_from, from_record
 from fingerpad.flags import FLAGS
 from fingerpad.image import ContactImageResult, read_image, write_overlay
 from fingerpad.study.corrections import apply
@@ -158,15 +158,11 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
 
 def from_contact_image(contact_image: ContactImageResult, contact: Contact, found: FoundScale) -> Measurement:
     """Return the measurement of a contact image."""
-    record = contact_image.as_record()
     turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
     row, column = contact_image.centroid
-    measured = Measurement(
-        **{name: value for name, value in record.items() if name in Measurement.__dataclass_fields__}
-    )
     return replace(
-        measured,
+        Measurement(**fields_from(Measurement, contact_image.as_record())),
         covariance_mm2=contact_image.covariance[:2, :2],
         long_axis="along" if abs(orientation) <= 45 else "across",
         orientation_deg=orientation,

@@ -74,10 +74,8 @@ class CurveResult:
     @property
     def name(self) -> str:
         """The file, or whose radius was given."""
-        return (
-            self.manifest.file
-            or f"{self.manifest.finger} at {self.manifest.wedge_angle_deg:g}°, R_g as given"
-        )
+        of = self.manifest
+        return of.file or f"{of.finger} at {of.wedge_angle_deg:g}°, R_g as given"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

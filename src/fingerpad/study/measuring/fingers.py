@@ -21,12 +21,7 @@ from fingerpad.study.corrections.apply import corrected_photograph, photograph_c
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Finger, Photograph
-from fingerpad.study.measuring.context import (
-    FoundScale,
-    OneTaskItem,
-    RunContext,
-    require_scale,
-)
+from fingerpad.study.measuring.context import FoundScale, OneTaskItem, RunContext, require_scale
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
 # follows its outlines; more where the outline hides that place. See benchmarks/claims/photograph_errors.py.
@@ -82,7 +77,7 @@ class PhotographResult:
 class FingerResult:
     """A finger's semi-axes with their covariance."""
 
-    name: str
+    manifest: Finger  # what the manifest says of it
     semi_axes: FloatArray  # palmar, distal, radial–ulnar, mm; NaN where they could not be had
     covariance: FloatArray
     source: str  # `given`, `photographs` or `none`
@@ -90,13 +85,17 @@ class FingerResult:
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
     scale: str | None = None  # shared by all its photographs
-    pad_thickness: float | None = None
-    effective_thickness: float | None = None
-    effective_thickness_std: float | None = None
-    synthetic: bool = False
     reason: str | None = None
-    person: str | None = None
-    digit: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.manifest.name
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether anything of it was rendered or simulated."""
+        return self.manifest.synthetic or any(one.synthetic for one in self.manifest.photographs)
 
     @property
     def has_semi_axes(self) -> bool:
@@ -155,10 +154,10 @@ def given_pad(finger: Finger) -> FingerResult:
     assert given is not None
     assert std is not None  # the manifest's own rule
     return FingerResult(
+        manifest=finger,
         semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
         covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
         source="given",
-        **stated(finger),
     )
 
 
@@ -168,27 +167,14 @@ def finger_from_faces(
     """Return a finger with the semi-axes of its faces, and the radii that side faces' outlines show."""
     names = {face.scale for face in joint.faces}
     return FingerResult(
+        manifest=finger,
         semi_axes=joint.semi_axes,
         covariance=joint.covariance,
         source="photographs",
         scale=names.pop() if len(names) == 1 else None,
         outlines=joint,
         outline_radii=tuple(filter(None, outline_radii)),
-        **stated(finger),
     )
-
-
-def stated(finger: Finger) -> dict[str, Any]:
-    """Return what the manifest says of a finger, by the names of `FingerResult`."""
-    return {
-        "name": finger.name,
-        "person": finger.person,
-        "digit": finger.digit,
-        "pad_thickness": finger.pad_thickness_mm,
-        "effective_thickness": finger.effective_thickness_mm,
-        "effective_thickness_std": finger.effective_thickness_mm_std,
-        "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
-    }
 
 
 def photograph_item(finger: Finger, photograph: Photograph) -> str:
@@ -214,6 +200,16 @@ class PhotographItem(OneTaskItem[Photograph]):
         )
 
 
+def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
+    """Return the photographs of a finger that are to be measured: images that nobody rejected."""
+    images = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
+    return [
+        PhotographItem(context=context, name=name, finger=finger, table=one)
+        for name, one in images
+        if not context.is_rejected(name)
+    ]
+
+
 def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunContext) -> FingerResult:
     """Return a finger's semi-axes, from what the store holds of its photographs where none are given.
 
@@ -228,20 +224,18 @@ def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunCo
             _face(one, context, records.get(name)) for name, one in named if not context.is_rejected(name)
         ]
         if finger.photographs:
-            joint, results = (
-                image.combine_faces(face for face, _ in seen),
-                tuple(filter(None, (r for _, r in seen))),
-            )
+            joint = image.combine_faces(face for face, _ in seen)
+            results = tuple(result for _, result in seen if result is not None)
             found = finger_from_faces(finger, joint, (one.outline_radii for one in results))
             return replace(found, photographs=results)
     except FingerpadError as error:
         reason = in_study(f"finger {finger.name}: {error}", context.folder)
     return FingerResult(
+        manifest=finger,
         semi_axes=np.full(3, np.nan),
         covariance=np.full((3, 3), np.nan),
         source="photographs" if finger.photographs else "none",
         reason=reason,
-        **stated(finger),
     )
 
 

@@ -20,7 +20,7 @@ from fingerpad.study.measuring.context import (
     scale_tables,
 )
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
-from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
+from fingerpad.study.measuring.fingers import FingerResult, pad_of, photograph_items
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
@@ -37,14 +37,7 @@ class StudyItems:
         self.context, study = context, context.study
         fingers = {finger.name: finger for finger in study.fingers}
         # By finger, without the rejected.
-        self.photographs = {
-            finger.name: [
-                PhotographItem(context=context, name=name, finger=finger, table=one)
-                for one in finger.photographs
-                if one.file is not None and not context.is_rejected(name := photograph_item(finger, one))
-            ]
-            for finger in study.fingers
-        }
+        self.photographs = {finger.name: photograph_items(finger, context) for finger in study.fingers}
         self.curves = [  # None for one without a file
             None
             if name is None

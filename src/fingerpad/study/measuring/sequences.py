@@ -209,12 +209,13 @@ class OpenedSequence:
         header = header_task(sequence, context)
         known = fields_from(image.Frames, _good(context, header.name, header.key)["header"])
         self.sequence, self.context = sequence, context
-        self.frames = image.Frames(path=context.folder / sequence.file, **known)
+        self.frames = image.Frames(path=context.folder / sequence.file, **known)  # of which none is read yet
         # By frame, those between key frames included.
         self.active = apply.frame_corrections(context.active_corrections, sequence.name)
         edited = {
             frame: apply.contact_correction(one) for frame, one in self.active.items() if one.change.edits
         }
+        # What measures its frames, with those of these corrections that change the measurement.
         self.images = SequenceImages(sequence=sequence, found=found, corrections=edited)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         with columns_named_by(partial(columns_in_toml, "force_columns")):

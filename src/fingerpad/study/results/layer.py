@@ -99,8 +99,8 @@ def layer_columns(
 
     Parts are signed contributions to `POOLED_ON_LAYER` of the sources `LAYER_PART_SOURCES`.
     """
-    thickness = COLUMNS["effective_thickness_mm"].array(pad.effective_thickness for pad in pads)
-    std = COLUMNS["effective_thickness_mm_std"].array(pad.effective_thickness_std for pad in pads)
+    thickness = COLUMNS["effective_thickness_mm"].array(pad.manifest.effective_thickness_mm for pad in pads)
+    std = COLUMNS["effective_thickness_mm_std"].array(pad.manifest.effective_thickness_mm_std for pad in pads)
     stated = np.flatnonzero(np.isfinite(thickness))
     flags = COLUMNS["layer_flag"].unknown(len(pads))
     parts = np.full((len(pads), len(POOLED_ON_LAYER), LAYER_PART_SOURCES.size), np.nan)
@@ -178,7 +178,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
         curve.fit is None
         or offset is None
         or not math.isfinite(offset.std)
-        or finger.effective_thickness is None
+        or finger.manifest.effective_thickness_mm is None
         or not np.isfinite(finger.semi_axes).all()
     ):
         return None
@@ -188,7 +188,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
     indentation, shift = inputs.mean[0, inputs.places(["indentation", "contact_shift"])].tolist()
     _, contact = find_modulus(
         _gap(finger, curve.manifest.wedge_angle_deg),
-        thickness=finger.effective_thickness,
+        thickness=finger.manifest.effective_thickness_mm,
         poisson_ratio=study.poisson_ratio,
         load=load,
         indentation=indentation + shift,
@@ -209,7 +209,8 @@ def _inputs(
 ) -> uncertainty.Inputs:
     """Return the inputs of `indentation_model` at the highest load, as one contact."""
     given, secant, load = study.uncertainty, fit.secant, fit.modulus_load
-    thickness, thickness_std = finger.effective_thickness or math.nan, finger.effective_thickness_std or 0.0
+    thickness = finger.manifest.effective_thickness_mm or math.nan
+    thickness_std = finger.manifest.effective_thickness_mm_std or 0.0
     gap = _gap(finger, wedge_angle_deg)
     shift, *ends = (
         _contact_shift(gap, secant, at, study.poisson_ratio)

@@ -15,6 +15,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._csv import package_table
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad._words import counted, joined
+from fingerpad.image import FACE_AXES
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
 from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
@@ -38,7 +39,6 @@ def provenance(files: Iterable[str], digest: Callable[[str], str]) -> dict[str, 
     }
 
 
-_FACES: Final = ("palmar", "distal", "radial", "ulnar")
 _MOST_LISTED: Final = 4
 
 
@@ -81,15 +81,15 @@ def _template_values(result: StudyResult) -> dict[str, Any]:
     more = [f"{len(scales) - _MOST_LISTED} more"] if len(scales) > _MOST_LISTED else []
     reviewed = result.corrected
     single = (rows["status"] == "measured") & rows["frame"].isna()
-    thick = [one for one in result.fingers.values() if one.effective_thickness is not None]
-    stated = [(one.name, one.effective_thickness, one.effective_thickness_std) for one in thick]
+    thick = [one for one in study.fingers if one.effective_thickness_mm is not None]
+    stated = [(one.name, one.effective_thickness_mm, one.effective_thickness_mm_std) for one in thick]
     return {
         "result": result,
         "of": study.apparatus,
         "given": study.uncertainty,
         "areas_alone": [finger.name for finger in result.fingers.values() if not finger.has_semi_axes],
         "modelled": fingers,
-        "persons": len({finger.person for finger in fingers} - {None}),
+        "persons": len({finger.manifest.person for finger in fingers} - {None}),
         "semi_axes_from": [
             way if len(ways) == 1 else f"{way} for {_named(names)}" for way, names in ways.items()
         ],
@@ -124,7 +124,7 @@ def _semi_axes_from(result: StudyResult, name: str) -> str:
     photographs = next(one for one in result.study.fingers if one.name == name).photographs
     if not photographs:
         return "given"
-    seen = [face for face in _FACES if any(one.face == face for one in photographs)]
+    seen = [face for face in FACE_AXES if any(one.face == face for one in photographs)]
     kind = "photographs" if any(one.file for one in photographs) else "outlines"
     return f"fitted to {kind} of the {joined(seen)} faces"
 

@@ -16,6 +16,7 @@ from fingerpad._files import explain_write_errors
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
 from fingerpad.image import SEMI_AXES, PadSemiAxes
+from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
@@ -118,21 +119,19 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
             _sequence(sequence, frames)
             for sequence, frames in zip(result.sequences, result.frames(), strict=True)
         ],
-        scales={
-            name: summary_file.ScaleRecord(reason=scale)
-            if isinstance(scale, str)
-            else summary_file.ScaleRecord(
-                mm_per_px=scale.scale.mm_per_px,
-                mm_per_px_std=scale.scale.mm_per_px_std,
-                flags=list(scale.flags),
-            )
-            for name, scale in result.scales.items()
-        },
+        scales={name: _scale(found) for name, found in result.scales.items()},
         curves=[_curve(result, curve) for curve in result.curves],
         failures=result.failures,
         methods=methods_section(result),
         provenance=summary_file.ProvenanceRecord.model_validate(result.provenance),
     )
+
+
+def _scale(found: FoundScale | str) -> summary_file.ScaleRecord:
+    if isinstance(found, str):
+        return summary_file.ScaleRecord(reason=found)
+    scale, flags = found.scale, list(found.flags)
+    return summary_file.ScaleRecord(mm_per_px=scale.mm_per_px, mm_per_px_std=scale.mm_per_px_std, flags=flags)
 
 
 def _placements(result: StudyResult) -> list[summary_file.PlacementRecord]:
@@ -146,9 +145,10 @@ def _finger(finger: FingerResult) -> summary_file.FingerRecord:
     outlines = finger.outlines
     return summary_file.FingerRecord.of(
         finger,
+        finger.manifest,
         outlines,
         finger=finger.name,
-        **({"digit": finger.digit} if finger.digit else {}),
+        **({"digit": finger.manifest.digit} if finger.manifest.digit else {}),
         **{f"{axis}_mm": of for axis, of in zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True)},
         covariance_mm2=finger.covariance.tolist(),
         between_faces_relative_std=outlines and outlines.between_relative_std,
@@ -383,9 +383,8 @@ class Answer:
             of_layer = _largest(layer.verdict, layer.checks)
             bone += f" (layer {layer.verdict}{of_layer and f': {of_layer}'})"
         theory = f"; Hertz theory {hertz.verdict}{off}"
-        if (
-            layer and layer.verdict == hertz.verdict == model_checks.FAILS
-        ):  # the modulus is known to a range at best
+        if layer and layer.verdict == hertz.verdict == model_checks.FAILS:
+            # The modulus is known to a range at best.
             other = hertz.headlines[model_checks.MODULUS]
             value = _quantity("or", other.value, other.total_std, "kPa")
             theory = f" {value} by Hertz theory, which fails too{off}: report the range"

@@ -142,10 +142,8 @@ class PooledRadius:
         that their mean has the uncertainty of one frame, however many there are.
         """
         places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
-        parts, elongation_std = (
-            rows.parts[places, model.POOLED_OUTPUTS.index(output)],
-            rows.elongation_std[places],
-        )
+        parts = rows.parts[places, model.POOLED_OUTPUTS.index(output)]
+        elongation_std = rows.elongation_std[places]
         bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
         first, second = (np.square(parts[:, _OWN & of]).sum(axis=-1) for of in (~_SECOND, _SECOND))
         variance = np.sum(elongation_std**2)

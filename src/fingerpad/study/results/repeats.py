@@ -3,6 +3,7 @@
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice, takewhile
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
@@ -270,21 +271,22 @@ _MOST_UNCERTAIN: Final = 100.0
 
 
 def _mean(
+    name: str,
     values: FloatArray,
     parts: Mapping[str, FloatArray],
     total: FloatArray,
-    freedom: float,
-    sessions: tuple[int, ScatterComponent | None],
     *,
-    name: str,
+    freedom: float,
+    sessions: int,
+    scatter: ScatterComponent | None,
     model: float = math.nan,
-) -> dict[str, float]:
+) -> dict[str, Any]:
     """Return the geometric mean of `name` over contacts of one finger under one load, by keys of a record.
 
     Values are positive; `parts` are the standard uncertainties of each from noise, repeatability and edge,
-    `total` that from all. `freedom` is of the repeatability, infinite where that is not known; `sessions`
-    their number and how they scatter; `model` what the model adds, relative to the values. Of no values
-    nothing is known.
+    `total` that from all. `freedom` is of the repeatability, infinite where that is not known; `sessions` is
+    their number, and `scatter` how they scatter where that is known; `model` what the model adds, relative to
+    the values. Of no values nothing is known.
 
     Noise (in a modulus with the load's) and the scatter of repeats beyond it are divided by √n, the
     difference between sessions by the root of their number; contacts share the rest. The 95 % interval has
@@ -302,8 +304,7 @@ def _mean(
         float(np.sqrt(np.sum(relative[part] ** 2)) / count) for part in ("noise", "repeatability")
     )
     edge = float(np.mean(relative["edge"]))
-    number, scatter = sessions
-    session = scatter.std / math.sqrt(number) if scatter is not None else math.nan
+    session = scatter.std / math.sqrt(sessions) if scatter is not None else math.nan
     own, between, shared = math.hypot(noise, repeat), np.nan_to_num(session), math.hypot(edge, other)
     half = math.hypot(
         _quantile(freedom) * own,
@@ -331,7 +332,8 @@ def pool_by_load(
     validities: Mapping[PlacementKey, ValidityRecord] = MappingProxyType({}),
 ) -> list[AtLoadRecord]:
     """Pool the contacts that count for each finger, placement and nominal load; frames are left out."""
-    between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
+    sessions = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
+    between = {key: session for key, session in sessions.items() if session.known}
     counts = rows.table["pooled"] & rows.table["frame"].isna()
     table = rows.table[list(_COLUMNS)]
     table = table[counts & (table["load_N"] > 0)]
@@ -362,22 +364,10 @@ def _at_load(
     validity: ValidityRecord | None,
     between: Mapping[tuple[str, bool], ScatterComponent],
 ) -> AtLoadRecord:
-    count = len(set(items(rows["session"])))
-
-    def mean(
-        name: str,
-        quantity: str,
-        values: FloatArray,
-        parts: Mapping[str, FloatArray],
-        total: FloatArray,
-        *,
-        model: float = math.nan,
-    ) -> dict[str, Any]:
-        found = between.get((quantity, key[-1]))
-        freedom = float(repeatability.freedom) if repeatability.known else math.inf
-        sessions = count, found if found is not None and found.known else None
-        return _mean(values, parts, total, freedom, sessions, name=name, model=model)
-
+    count, synthetic = len(set(items(rows["session"]))), bool(key[-1])
+    freedom = float(repeatability.freedom) if repeatability.known else math.inf
+    mean = partial(_mean, freedom=freedom, sessions=count)
+    modulus_scatter = between.get(("youngs_modulus", synthetic))
     area = contact_quantity(rows, "contact_area")
     own = {part: rows[f"gross_area_mm2_{part}_std"].to_numpy() for part in ("noise", "edge")}
     by_image = np.isfinite(rows["gross_area_mm2"].to_numpy())
@@ -400,29 +390,29 @@ def _at_load(
         sessions=count,
         **mean(
             "contact_area_mm2",
-            "contact_area",
             area,
             {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
             as_float_array(np.hypot(total, repeats)),
+            scatter=between.get(("contact_area", synthetic)),
         ),
         **mean(
             MODULUS,
-            "youngs_modulus",
             known[MODULUS].to_numpy(),
             {part: known[f"{MODULUS}_{part}_std"].to_numpy() for part in _PARTS},
             known[f"{MODULUS}_std"].to_numpy(),
+            scatter=modulus_scatter,
             model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
         ),
         youngs_modulus_kpa_verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
         **mean(
             f"{_ON_LAYER}_kpa",
-            "youngs_modulus",
             layered[f"{_ON_LAYER}_kpa"].to_numpy(),
             {
                 part: np.sqrt(variances[:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
                 for part, sources in STATED_APART.items()
             },
             np.sqrt(variances.sum(axis=-1)),
+            scatter=modulus_scatter,
         ),
         youngs_modulus_on_layer_kpa_verdict=validity.on_layer.verdict
         if validity and validity.on_layer

@@ -147,6 +147,7 @@ class _Batch:
         answered = self.modelled.answered
         for place in sound[~answered]:
             reasons[place] = "the model has no finite answer for these values; check their units"
+        # Places of the good rows in the batch; inputs, answers and parts are of these alone.
         self.good, self.inputs = sound[answered], inputs.at(answered)
         self.columns = _described(fingers, seen, reasons)
         pads = [fingers[seen[place][0].finger] for place in self.good]
@@ -257,7 +258,7 @@ def _modelled(
     sides = COLUMNS["predicted_long_axis"].array((None, "along", "across"))
     of_contact = modelled.parts[:, POOLED_OUTPUTS.index("radius_from_indentation"), _OF_THE_CONTACT]
     deviation_std = inputs.std[:, inputs.places(["radius_deviation"])[0]]
-    thickness = COLUMNS["indentation_over_thickness"].array([pad.pad_thickness for pad in pads])
+    thickness = COLUMNS["indentation_over_thickness"].array([pad.manifest.pad_thickness_mm for pad in pads])
     columns: dict[str, ColumnArray] = {
         "u_deg": np.degrees(placement.u),
         "v_deg": np.degrees(placement.v),

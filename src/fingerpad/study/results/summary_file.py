@@ -105,11 +105,9 @@ class FaceRecord(Record):
     palmar_mm: Number = Field(default=math.nan, description="Palmar semi-axis, mm.")
     distal_mm: Number = Field(default=math.nan, description="Distal semi-axis, mm.")
     radial_ulnar_mm: Number = Field(default=math.nan, description="Radial–ulnar semi-axis, mm.")
-    palmar_relative_difference: Number = Field(default=math.nan, description="Its excess over all faces'.")
-    distal_relative_difference: Number = Field(default=math.nan, description="Its excess over all faces'.")
-    radial_ulnar_relative_difference: Number = Field(
-        default=math.nan, description="Its excess over all faces'."
-    )
+    palmar_relative_difference: Number = math.nan
+    distal_relative_difference: Number = math.nan
+    radial_ulnar_relative_difference: Number = math.nan
     flags: list[str] = Field(description="Doubts.")
 
 

@@ -75,11 +75,12 @@ class FingerAtAngle:
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> None:
         self.study, self.pad, self.summary = study, fingers[summary.finger], summary
+        # The contact at the highest load of those that count, and its row; None where none counts.
         highest = self.highest = rows.highest_load.get(summary.key)
         self.highest_row = highest and first_record(
             summary.where(summary.column("observation") == highest.observation)
         )
-        self.loading = loading_radius(curves, summary.finger_and_wedge)
+        self.loading = loading_radius(curves, summary.finger_and_wedge)  # R_g
         # Of curves in plausible units on which the place of contact was found.
         self.fits = tuple(
             one.fit
@@ -90,7 +91,7 @@ class FingerAtAngle:
             and 0 < one.fit.contact_offset.std < math.inf
         )
         areas = summary.areas
-        self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]
+        self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
         repeats = repeatability.get(summary.synthetic)
         self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
         if repeats is not None and repeats.known:
@@ -283,7 +284,8 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
 
 def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
-    row, thickness = case.highest_row, case.pad.effective_thickness or case.pad.pad_thickness
+    row, stated = case.highest_row, case.pad.manifest
+    thickness = stated.effective_thickness_mm or stated.pad_thickness_mm
     for kind in ("half_space", "layer"):
         checks = {name: CHECKS[f"{name.rsplit('_', 1)[0]}_on_{kind}"] for name in (MODULUS, INDENTATION)}
         if row is None or (kind == "layer" and thickness is None):
@@ -328,12 +330,9 @@ def _errors(
         (INDENTATION, row[INDENTATION] * share, float(better.indentation[last])),
     ):
         found = checks[name].of_known_error(value, reference, size)
-        # Values of a narrower contact under this load are none of this contact's.
-        yield (
-            found.with_fields(**dict.fromkeys(("value", "reference", "difference"), math.nan))
-            if flag
-            else found
-        )
+        if flag:  # values of a narrower contact under this load are none of this contact's
+            found = found.with_fields(value=math.nan, reference=math.nan, difference=math.nan)
+        yield found
 
 
 # Loads at which a curve is compared, relative to its highest.
@@ -521,11 +520,8 @@ def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[Cu
         why = "in the range of the laws" if case.fits else "of this finger at this angle"
         return CHECKS["modulus_on_layer"].untested(f"no loading curve {why}")
     own, first = layer.at_highest_load["youngs_modulus_on_layer"], by_curve[0]
-    values, stds = (
-        np.log([one.value for one in by_curve]),
-        np.array([one.std / one.value for one in by_curve]),
-    )
-    log_value, std = of_curves(values, stds)
+    stds = np.array([one.std / one.value for one in by_curve])
+    log_value, std = of_curves(np.log([one.value for one in by_curve]), stds)
     shared = sum(_relative(own, source) * _relative(first, source) for source in _OPPOSITE)
     shared -= sum(_relative(own, source) * _relative(first, source) for source in _ALIKE)
     shared -= case.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
@@ -550,7 +546,7 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     form = law_form(
         plate_gap(pad_placement(pad.semi_axes, row["wedge_angle_deg"], row["roll_angle_deg"])),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
-        thickness=pad.effective_thickness,
+        thickness=pad.manifest.effective_thickness_mm,
         poisson_ratio=case.study.poisson_ratio,
     )
     ratio = float(form.semi_major / form.semi_minor)

@@ -116,15 +116,14 @@ class ValidityCheck(CheckRecord):
             return self
         p_value = self.p_value if p_value is None else p_value
         size = math.expm1(abs(math.log1p(self.relative_difference)))
-        verdict = verdict_of(p_value, size, self.relative_std)
-        if verdict != NOT_TESTED:
-            return self.with_fields(verdict=verdict)
-        why = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
-        if self.p_value < STRAINED_BELOW_P:
-            why = f"p = {p_value:.2g} among all comparisons: it may be chance"
-        if why not in self.note:
-            return self.with_fields(verdict=verdict, note="; ".join(filter(None, (self.note, why))))
-        return self.with_fields(verdict=verdict)
+        verdict, note = verdict_of(p_value, size, self.relative_std), self.note
+        if verdict == NOT_TESTED:
+            why = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
+            if self.p_value < STRAINED_BELOW_P:
+                why = f"p = {p_value:.2g} among all comparisons: it may be chance"
+            if why not in note:
+                note = f"{note}; {why}" if note else why
+        return self.with_fields(verdict=verdict, note=note)
 
 
 _ALL_SET: Final = set(ValidityCheck.model_fields)
