@@ -153,8 +153,14 @@ def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label:
     canvas = _tint_ridges(grey, found, zoom)
     width = max(2, round(max(canvas.shape) / 600))
     outline = canvas_points(found.outline, zoom)
-    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
-    _draw_ellipse(canvas, found, zoom, width)
+    ellipse = canvas_points(found.ellipse_px.points(360), zoom)
+    for curve, colour in ((outline, REGION_COLOUR), (ellipse, ELLIPSE_COLOUR)):
+        draw_line(canvas, np.concatenate([curve, curve[:1]]), colour, width)
+    for end in (0, 90):
+        draw_line(canvas, ellipse[[end, end + 180]], ELLIPSE_COLOUR, max(1, width // 2))
+    middle = canvas_points(as_float_array(found.centroid), zoom)
+    draw_dot(canvas, middle, 3 * width, PAPER)
+    draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)
     draw_scale_bar(canvas, found.mm_per_px / zoom, width)
     if label:
         write_text(canvas, label, (3 * width, 0), width)
@@ -176,17 +182,6 @@ def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -
     pairs = np.asarray(share * np.uint16(256) + large, dtype=np.uint16)
     found = np.take(colours.view(np.uint32), pairs).view(np.uint8).reshape(*large.shape, 4)
     return np.asarray(cv2.cvtColor(found, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
-
-
-def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
-    ellipse = contact_image.ellipse_px
-    outline = canvas_points(ellipse.points(360), zoom)
-    draw_line(canvas, np.concatenate([outline, outline[:1]]), ELLIPSE_COLOUR, width)
-    for end in (0, 90):
-        draw_line(canvas, outline[[end, end + 180]], ELLIPSE_COLOUR, max(1, width // 2))
-    middle = canvas_points(as_float_array(ellipse.centre), zoom)
-    draw_dot(canvas, middle, 3 * width, PAPER)
-    draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)
 
 
 def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:

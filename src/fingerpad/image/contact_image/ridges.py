@@ -60,7 +60,7 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
     """
     values = smoothed(view)
     if threshold is not None:
-        amount = _as_uint8(cv2.convertScaleAbs(np.maximum(values, 0), alpha=255 / (2 * threshold)))
+        amount = np.asarray(cv2.convertScaleAbs(np.maximum(values, 0), alpha=255 / (2 * threshold)), np.uint8)
         level = np.full((1, 1), threshold, dtype=np.float32)
     else:
         step = 2 if view.period >= _LEAST_FOR_STEP else 1
@@ -68,7 +68,7 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
         valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast, least_rise)
         above = np.subtract(values, enlarge(valley, side * step, values.shape))
         scale = enlarge(as_float32(255 / rise), side * step, values.shape)
-        amount = _as_uint8(cv2.multiply(above, scale, dtype=cv2.CV_8U))
+        amount = np.asarray(cv2.multiply(above, scale, dtype=cv2.CV_8U), np.uint8)
         level = as_float32(valley + rise / 2)
     counted = view.shown & view.inside
     if not counted.all():
@@ -80,10 +80,6 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
 def smoothed(view: View) -> Float32Array:
     """Return the copy without noise much finer than a ridge."""
     return as_float32(cv2.GaussianBlur(view.contact, (0, 0), max(0.4, _SMOOTHING * view.period)))
-
-
-def _as_uint8(values: npt.NDArray[Any]) -> UInt8:
-    return np.asarray(values, dtype=np.uint8)
 
 
 def _levels(
@@ -264,7 +260,7 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
     count = cv2.boxFilter(ridges.view(np.uint8), cv2.CV_32F, side, normalize=False)
     dark = (values * count > np.float32(PRINTED_MARKS.darker) * total) & (count > 0)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
-    strokes = _as_uint8(cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke))
+    strokes = np.asarray(cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke), np.uint8)
     letters, reach = 0, PRINTED_MARKS.reach * period
     for contour in outer_contours(strokes):
         if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:

@@ -252,7 +252,8 @@ def _step_across(
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
     places = points[:, None] + outward_normals(points)[:, None] * across[:, None]
-    profiles = _sampled(signal, inside, places)
+    counts = sample(inside.view(np.uint8), places, cv2.INTER_NEAREST, cv2.BORDER_CONSTANT) > 0
+    profiles = np.where(counts, sample(signal, places), np.nan).astype(np.float64)
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
         across, profiles = across[seen], profiles[:, seen]
@@ -321,12 +322,6 @@ def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, 
     if len(ground) < 20:
         return 0.0
     return float(np.subtract(*np.percentile(ground, (84, 16)))) / 2
-
-
-def _sampled(signal: Float32Array, inside: BoolArray, places: FloatArray) -> FloatArray:
-    """Return a signal at places (x, y), NaN where it does not count, as outside the picture."""
-    counts = sample(inside.view(np.uint8), places, cv2.INTER_NEAREST, cv2.BORDER_CONSTANT)
-    return np.where(counts > 0, sample(signal, places), np.nan).astype(np.float64)
 
 
 def _running_median(values: FloatArray) -> FloatArray:

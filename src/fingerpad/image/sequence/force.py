@@ -341,18 +341,16 @@ def alignment_scatter(
     measured = np.isfinite(time) & (area > 0)
     time, grown = time[measured], np.log(area[measured])
     shifts = as_float_array(shift)
-    found = [_scatter(signal.load_at(time + by), grown, signal) for by in np.atleast_1d(shifts)]
-    return np.array(found).reshape(shifts.shape)
-
-
-def _scatter(load: FloatArray, grown: FloatArray, signal: ForceSignal) -> float:
-    used = load > _LEAST_LOAD * signal.load.max()
-    if np.count_nonzero(used) < _MIN_FRAMES:
-        return np.nan
-    x, y = np.log(load[used]), grown[used]
-    design = np.column_stack([np.ones_like(x), x])
-    residuals = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
-    return float(np.sqrt(np.mean(residuals**2)))
+    found = np.full(shifts.size, np.nan)
+    for k, by in enumerate(shifts.flat):
+        load = signal.load_at(time + by)
+        used = load > _LEAST_LOAD * signal.load.max()
+        if np.count_nonzero(used) >= _MIN_FRAMES:
+            x, y = np.log(load[used]), grown[used]
+            design = np.column_stack([np.ones_like(x), x])
+            residuals = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
+            found[k] = np.sqrt(np.mean(residuals**2))
+    return found.reshape(shifts.shape)
 
 
 def _require_increasing(time: FloatArray, name: str) -> None:

@@ -266,7 +266,12 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
     elif path.suffix.lower() in PICTURE_SUFFIXES:
         raise ImageError(f"{path}: is one picture: name the folder that holds the sequence")
     else:
-        kind, (count, rate) = "video", _video_header(path, memory_limit)
+        kind = "video"
+        with _video(path, memory_limit) as video:
+            stated, plays = (video.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
+        # A damaged header may give any number; no format stores a frame in fewer than 8 bytes.
+        count = int(min(stated, path.stat().st_size / 8)) if stated > 0 else 0
+        rate = plays if plays > 0 and np.isfinite(plays) else None
     return Frames(path=path, kind=kind, count=count, frames_per_second=rate, memory_limit=memory_limit)
 
 
@@ -358,15 +363,6 @@ def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) ->
         pixels = luma(levels_of_page(path, index, page, memory_limit))
     check_finite(pixels, f"{path}: page {index}")
     return pixels
-
-
-def _video_header(path: Path, memory_limit: int) -> tuple[int, float | None]:
-    with _video(path, memory_limit) as video:
-        count, rate = (video.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
-    # A damaged header may give any number; no format stores a frame in fewer than 8 bytes.
-    most = path.stat().st_size / 8
-    count = int(min(count, most)) if count > 0 else 0
-    return count, rate if rate > 0 and np.isfinite(rate) else None
 
 
 @contextmanager

@@ -193,12 +193,6 @@ def _power_off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptio
 
 
 Watcher: TypeAlias = Callable[[int, Pixels, ContactImageResult], None]
-
-
-_LITTLE: Final = (
-    "the frame is smooth beside those of the largest contact",
-    "the frame hardly differs from the background beside those of the largest contact",
-)
 PERSISTENCE: Final = 3  # a contact persists when it is seen in so many frames in a row
 
 
@@ -308,13 +302,17 @@ def measure_frames(
     # Frames share a relative level: a threshold has gone into learning the contrast.
     read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
 
+    smooth = options.get("surface") == "smooth"
+    little = (
+        "hardly differs from the background" if smooth else "is smooth"
+    ) + " beside those of the largest contact"
+
     def measured(frame: Frame) -> FrameResult:
         if frame.pixels is None:
             return FrameResult(index=frame.index, readable=False, reason=frame.reason)
         try:
             if texture_of(frame.pixels, scale, options) < settings.min_texture:
-                reason = f"no contact found: {_LITTLE[options.get('surface') == 'smooth']}"
-                return FrameResult(index=frame.index, reason=reason)
+                return FrameResult(index=frame.index, reason=f"no contact found: the frame {little}")
             contact_image = measure_contact_image(frame.pixels, scale, **read)
         except MemoryError:  # the limit of the process, not a fault of this frame
             raise
