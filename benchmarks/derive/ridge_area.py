@@ -63,7 +63,7 @@ def _compare(
             if one not in maps:
                 fine = ridges.ridge_map(one.view, one.edge.points, None)
                 smeared = result._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
-                area, unknown = fine.area(smeared, one.view)
+                area, unknown = fine.area(smeared)
                 maps[one] = fine, area - unknown / 2
             fine, known = maps[one]
             true = one.share * one.area

@@ -1,7 +1,7 @@
 """What is no contact: an even border round the picture, and the ground with its uneven light."""
 
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
 import cv2
 import numpy as np
@@ -85,19 +85,13 @@ def _is_card(card: BoolArray, slack: float = 0.0) -> bool:
     return bool(straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum())
 
 
-class Flattened(NamedTuple):
-    """A picture turned so that contact is bright, on an even ground of about zero."""
-
-    values: Float32Array  # (rows, columns)
-    noise: float  # standard deviation of the quiet ground
-    contrast: float  # level of the busy parts' contact above the ground, or what the caller gives
-    dark_on_light: bool  # whether contact was darker than the ground
-
-
 def flattened(
     values: Float32Array, inside: BoolArray, period: float, dark_on_light: bool | None, contrast: float | None
-) -> Flattened:
-    """Turn contact bright, and remove uneven lighting by a smooth surface through the quiet ground."""
+) -> tuple[Float32Array, float, float, bool]:
+    """Turn contact bright, and remove uneven lighting by a smooth surface through the quiet ground.
+
+    Return that, as `View` has it, with its noise, its contrast and whether contact was darker.
+    """
     side = max(2, round(_BLOCK * period))
     means = block_means(values, side)
     deviations = np.sqrt(
@@ -132,7 +126,7 @@ def flattened(
         threshold = _otsu_threshold(sample)
         above, below = sample[sample > threshold], sample[sample <= threshold]
         contrast = float(above.mean() - below.mean()) if above.size and below.size else 0.0
-    return Flattened(as_float32(flat), noise, contrast, dark_on_light)
+    return as_float32(flat), noise, contrast, dark_on_light
 
 
 def block_means(values: Float32Array | npt.NDArray[np.uint8], side: int) -> Float32Array:

@@ -257,7 +257,7 @@ def evaluate(
         if edge.resolved:
             smeared = _blurred_ridges(ridges.amount, region.patch, view.period)
         # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
-        ridge_area, unknown = fine.area(smeared, view)
+        ridge_area, unknown = fine.area(smeared)
         known = ridge_area - unknown / 2
         area_variance = unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
         border = fine.border() * mm_per_px if view.resolved else math.nan

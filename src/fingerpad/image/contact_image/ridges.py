@@ -130,26 +130,19 @@ class RidgeMap:
 
     above: Float32Array  # (rows, columns); by how much each place exceeds the ridges' level; 0 and less: none
     inside: BoolArray  # (rows, columns); what is inside the outline
-    corner: tuple[int, int]  # (row, column) of the box in the whole picture
-    step: int  # pixels of the picture that are one where the ridges are looked at, if it has very many
-    every: int  # how many of these lie between neighbouring places
+    pitch: int  # pixels of the picture between neighbouring places
+    of_picture: FloatArray  # (2, 3); affine map to places (x, y) from pixels of the whole picture
+    to_copy: FloatArray  # (2, 3); from places to pixels of the copy
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
     grain: float  # how much ridges vary along themselves, beyond noise and what is usual, of the rise
     clipped: float  # share of the valleys that the device shows as white, or as black where ridges are bright
     has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 
-    @property
-    def pitch(self) -> int:
-        """Pixels of the picture between neighbouring places."""
-        return self.step * self.every
-
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the ridges in a picture of this shape; outside the box they mean nothing."""
-        row, column = ((1 - self.step) / 2 - k for k in self.corner)
-        turn = np.array([[1, 0, column], [0, 1, row]]) / self.pitch
-        return np.asarray(_warped(self.above, turn, shape[::-1]) > 0)
+        return np.asarray(_warped(self.above, self.of_picture, shape[::-1]) > 0)
 
-    def area(self, smeared: BoolArray, view: View) -> tuple[float, float]:
+    def area(self, smeared: BoolArray) -> tuple[float, float]:
         """Return the ridges' area inside the outline, and that of unresolved parts, px of the picture.
 
         `smeared` are the unresolved parts in the copy: half of them counts as ridge.
@@ -157,9 +150,8 @@ class RidgeMap:
         ridges = (self.above > 0) & self.inside
         known, unknown = int(np.count_nonzero(ridges)), 0
         if smeared.any():
-            turn = _to_copy(self.corner, self.step, self.every, view)
-            size = self.inside.shape[::-1]
-            half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
+            in_map = _warped(smeared.view(np.uint8), self.to_copy, self.inside.shape[::-1], cv2.INTER_NEAREST)
+            half = self.inside & (in_map > 0)
             unknown = int(np.count_nonzero(half))
             known = int(np.count_nonzero(ridges & ~half))
         return (known + unknown / 2) * float(self.pitch**2), unknown * float(self.pitch**2)
@@ -197,15 +189,17 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     box = as_float32(view.part.pixels[low[1] : low[1] + rows, low[0] : low[0] + columns])
     if step > 1:
         box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
-    row, column = (int(k) for k in low[::-1] + view.part.corner)
-    turn = _to_copy((row, column), step, every, view)
+    # Pixels of the box are `step` of the picture where that has very many, and every so many of them a place.
+    pitch, steps = step * every, np.array(view.steps[::-1])
+    of_picture = np.column_stack([np.eye(2), (1 - step) / 2 - low - view.part.corner[::-1]]) / pitch
+    to_copy = np.column_stack([np.diag(pitch / steps), (low + step / 2) / steps - 0.5])
     few = np.ascontiguousarray(box[::every, ::every])
     sign = np.float32(-1 if view.dark_on_light else 1)
     inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape)[::every, ::every] > 0
     places = np.flatnonzero(inside)
     places = places[:: max(1, places.size // _ENOUGH_PLACES)]
-    period /= step * every
-    values = as_float32(sign * few - _warped(view.ground, turn, few.shape[::-1]))
+    period /= pitch
+    values = as_float32(sign * few - _warped(view.ground, to_copy, few.shape[::-1]))
     level, grain, clipped = 0.5, 0.0, 0.0
     if threshold is not None:
         amount = as_float32(values / np.float32(2 * threshold))
@@ -229,21 +223,14 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     return RidgeMap(
         above=above,
         inside=inside,
-        corner=(row, column),
-        step=step,
-        every=every,
+        pitch=pitch,
+        of_picture=of_picture,
+        to_copy=to_copy,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
         clipped=clipped,
         has_print=_has_print(values, (above > 0) & inside, inside, period),
     )
-
-
-def _to_copy(corner: tuple[int, int], step: int, every: int, view: View) -> FloatArray:
-    """Return the affine map from the map's places (x, y) to pixels of the copy."""
-    along = step * every / np.array(view.steps[::-1])
-    start = (np.array(corner[::-1]) - view.part.corner[::-1] + step / 2) / view.steps[::-1] - 0.5
-    return np.array([[along[0], 0, start[0]], [0, along[1], start[1]]])
 
 
 def _warped(

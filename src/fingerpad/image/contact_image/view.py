@@ -207,16 +207,18 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         inside = share > 0.5
     copy = as_float32(_reduced(part.pixels, shape))
     period_of_copy = period / float(np.sqrt(rows / shape[0] * (columns / shape[1])))
-    flat = flattened(copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast"))
+    contact, noise, contrast, dark = flattened(
+        copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast")
+    )
     view = View(
         part=part,
         scale=scale,
         ridge_period=found,
-        contact=flat.values,
-        ground=as_float32((-copy if flat.dark_on_light else copy) - flat.values),
-        noise=flat.noise,
-        contrast=flat.contrast,
-        dark_on_light=flat.dark_on_light,
+        contact=contact,
+        ground=as_float32((-copy if dark else copy) - contact),
+        noise=noise,
+        contrast=contrast,
+        dark_on_light=dark,
         shown=part.shown(shape),
         inside=inside,
         period=period_of_copy,
