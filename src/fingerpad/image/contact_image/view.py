@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import disk, filled_polygon
+from fingerpad.image._masks import bounding_box, disk, filled_polygon
 from fingerpad.image.contact_image.background import flattened, without_added_border
 from fingerpad.image.contact_image.spectra import ridge_period_px
 from fingerpad.image.levels import picture_array, wrong_shape
@@ -330,16 +330,14 @@ def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tu
 
 def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
     """Crop to what a mask leaves of a box, at least the least side where the picture has room."""
-    part = inside[box]
-    if not part.any():
+    within = np.zeros_like(inside)
+    within[box] = inside[box]
+    if not within.any():
         raise ImageError("mask and region_of_interest have nothing in common")
     narrow = []
-    for axis, whole in enumerate(box):
-        hits = np.flatnonzero(part.any(axis=1 - axis))
-        start, stop = whole.start + int(hits[0]), whole.start + int(hits[-1]) + 1
-        spare = max(0, _MIN_SIDE_PX - (stop - start))
-        start = max(whole.start, start - spare)
-        narrow.append(slice(start, min(whole.stop, max(stop, start + _MIN_SIDE_PX))))
+    for whole, hit in zip(box, bounding_box(within, margin=0), strict=True):
+        start = max(whole.start, hit.start - max(0, _MIN_SIDE_PX - (hit.stop - hit.start)))
+        narrow.append(slice(start, min(whole.stop, max(hit.stop, start + _MIN_SIDE_PX))))
     return narrow[0], narrow[1]
 
 

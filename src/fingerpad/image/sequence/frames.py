@@ -339,8 +339,13 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Genera
     with tiff:
         for index in range(start, min(stop, count)):
             try:
-                with tifffile_warnings():
-                    frame = Frame(index=index, pixels=_page(path, tiff, index, memory_limit))
+                with tifffile_warnings(), warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    page = tiff.pages[index]
+                    resolution_of_page(page)  # which refuses pixels that are not square
+                    pixels = luma(levels_of_page(path, index, page, memory_limit))
+                check_finite(pixels, f"{path}: page {index}")
+                frame = Frame(index=index, pixels=pixels)
             except ImageError as error:
                 named = str(path) in str(error)
                 reason = str(error) if named else f"{path}: page {index}: {error}"
@@ -353,16 +358,6 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Genera
         if broken is not None and stop > count:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
             yield Frame(index=count, pixels=None, reason=reason)
-
-
-def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) -> Pixels:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        page = tiff.pages[index]
-        resolution_of_page(page)
-        pixels = luma(levels_of_page(path, index, page, memory_limit))
-    check_finite(pixels, f"{path}: page {index}")
-    return pixels
 
 
 @contextmanager
