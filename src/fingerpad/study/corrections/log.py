@@ -29,7 +29,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.journal import locked, sync_folder
-from fingerpad.study.manifest.models import Study, validated
+from fingerpad.study.manifest.models import ContactSequence, Observation, Photograph, Study, validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
@@ -220,26 +220,27 @@ def kind_of(item: str, study: Study) -> ItemKind:
 
 def named_kind(item: str, study: Study) -> ItemKind | None:
     """Return what an item is, None where the manifest names no such item."""
+    return None if _table_of(item, study) is None else parts_of_item(item)[0]
+
+
+def _table_of(item: str, study: Study) -> Observation | ContactSequence | Photograph | None:
+    """Return the table of an item in the manifest, of a frame or phases their sequence's; None without."""
     kind, name, part = parts_of_item(item)
     if kind == "photograph":
-        known = any(
-            one.name == name and part in {each.file for each in one.photographs} for one in study.fingers
-        )
-    elif kind == "observation":
-        known = any(one.name == name for one in study.observations)
-    else:
-        known = (kind == "phases" or _is_frame(part)) and any(one.name == name for one in study.sequences)
-    return kind if known else None
+        photographs = (one for finger in study.fingers if finger.name == name for one in finger.photographs)
+        return next((one for one in photographs if one.file == part), None)
+    if kind == "observation":
+        return next((one for one in study.observations if one.name == name), None)
+    is_named = kind == "phases" or _is_frame(part)
+    return next((one for one in study.sequences if is_named and one.name == name), None)
 
 
 def image_of(item: str, study: Study) -> str | None:
     """Return the file of an item's picture, or of the force whose phases it is; None of a frame."""
-    kind, name, part = parts_of_item(item)
-    if kind == "photograph":
-        return part
-    if kind == "phases":
-        return next((one.force for one in study.sequences if one.name == name), None)
-    return next((one.file for one in study.observations if one.name == item), None)
+    table = _table_of(item, study)
+    if isinstance(table, ContactSequence):
+        return table.force if item == phases_item(table.name) else None
+    return None if table is None else table.file
 
 
 def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str], str] | None = None) -> str:
@@ -250,12 +251,11 @@ def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str]
     image = image_of(item, study)
     if image is not None:
         return digest(image) if digest else digest_of(folder / image)
-    if named_kind(item, study) != "frame":
+    table, (*_, number) = _table_of(item, study), parts_of_item(item)
+    if not isinstance(table, ContactSequence):
         return ""
-    _, name, number = parts_of_item(item)
-    path = next(sequence.file for sequence in study.sequences if sequence.name == name)
     try:
-        return open_frames(folder / path).at(int(number)).digest
+        return open_frames(folder / table.file).at(int(number)).digest
     except ImageError:
         return ""
 
@@ -291,8 +291,8 @@ SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px",
 
 def similar_images(item: str, study: Study) -> list[str]:
     """Return the other contact images of the same finger with the same scale, as of one device."""
-    one = next((each for each in study.observations if each.name == item and each.file), None)
-    if one is None:
+    one = _table_of(item, study)
+    if not isinstance(one, Observation) or one.file is None:
         return []
     return [
         each.name
@@ -438,7 +438,8 @@ class CorrectionLog:
         kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()
         checked = checked_change(item, content, item)
-        if checked.edits and any(each.name == item and each.file is None for each in study.observations):
+        table = _table_of(item, study)
+        if checked.edits and isinstance(table, Observation) and table.file is None:
             raise StoreError(
                 f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or "
                 "change ellipse_mm in the manifest"

@@ -11,6 +11,7 @@ import socket
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 from threading import Thread
 from time import monotonic
@@ -97,7 +98,7 @@ def cluster_executor(
             f"--scheduler takes an address, as in tcp://host:8786, or local; found {scheduler!r}"
         )
     try:
-        import distributed
+        distributed: Any = import_module("distributed")
     except ModuleNotFoundError:
         raise ClusterError("--scheduler needs Dask: pip install 'fingerpad[cluster]'") from None
     with ExitStack() as stack:
@@ -106,8 +107,7 @@ def cluster_executor(
         stack.callback(logger.setLevel, logger.level)
         logger.setLevel(logging.CRITICAL + 1)
         if scheduler == "local":
-            start: Any = distributed.LocalCluster
-            started = start(
+            started = distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 dashboard_address="127.0.0.1:0",  # any free port, for this machine alone
@@ -115,15 +115,14 @@ def cluster_executor(
                 preload=[_LEAVE_INTERRUPTS],
             )
             scheduler = stack.enter_context(started).scheduler_address
-        security: Any = distributed.Security
-        if scheduler.startswith("tls://") and security().tls_ca_file is None:
+        if scheduler.startswith("tls://") and distributed.Security().tls_ca_file is None:
             raise ClusterError(
                 f"{scheduler}: no certificate is configured: name yours in "
                 "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, …__CLIENT__CERT and …__CLIENT__KEY"
             )
         try:
-            connect: Any = distributed.Client
-            client = stack.enter_context(connect(scheduler, timeout=_WAIT_S, set_as_default=False))
+            connected = distributed.Client(scheduler, timeout=_WAIT_S, set_as_default=False)
+            client = stack.enter_context(connected)
         except (OSError, ValueError, TypeError) as error:
             raise ClusterError(
                 f"{scheduler}: no scheduler answers ({error}): start one with `dask scheduler`, or check the "

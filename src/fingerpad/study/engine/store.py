@@ -140,17 +140,20 @@ class Store:
         if self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0] != "ok":
             raise sqlite3.DatabaseError("damaged")
 
+    def _execute(self, query: str, *values: object) -> list[Any]:
+        """Return the rows that a query gives."""
+        with _plain_errors(self.path):
+            return self._connection.execute(query, values).fetchall()
+
     def statuses(
         self, tasks: Iterable[str] | None = None, *, only_drawn: bool = False
     ) -> dict[str, TaskStatus]:
         """Return what is known of all tasks, of some, or of those with drawn files, without their results."""
         query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
-        ask = self._connection.execute
-        with _plain_errors(self.path):
-            if tasks is None:
-                rows = ask(f"{query} WHERE drawn <> '{{}}'" if only_drawn else query).fetchall()
-            else:
-                rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
+        if tasks is None:
+            rows = self._execute(f"{query} WHERE drawn <> '{{}}'" if only_drawn else query)
+        else:
+            rows = [row for task in tasks for row in self._execute(f"{query} WHERE task = ?", task)]
         found = {}
         for task, key, status, seconds, count, drawn, limits in rows:
             if status not in get_args(TaskState):
@@ -169,14 +172,12 @@ class Store:
 
     def record(self, task: str, key: str) -> dict[str, Any] | None:
         """Return the result of a task, None where there is none with this key; `DamagedResultError`."""
-        query = "SELECT * FROM result WHERE task = ? AND key = ?"
-        with _plain_errors(self.path):
-            row = self._connection.execute(query, (task, key)).fetchone()
-        if row is None:
+        rows = self._execute("SELECT * FROM result WHERE task = ? AND key = ?", task, key)
+        if not rows:
             return None
-        if not _is_intact(row):
+        if not _is_intact(rows[0]):
             raise DamagedResultError(self.path, task)
-        found: dict[str, Any] = json.loads(row[-2])
+        found: dict[str, Any] = json.loads(rows[0][-2])
         return found
 
     def damaged(self) -> list[str]:
@@ -187,11 +188,10 @@ class Store:
 
     def discard(self, tasks: list[str] | None = None) -> None:
         """Remove the results of some tasks, or of all."""
-        with _plain_errors(self.path):
-            if tasks is None:
-                self._connection.execute("DELETE FROM result")
-            else:
-                self._connection.executemany("DELETE FROM result WHERE task = ?", [(task,) for task in tasks])
+        if tasks is None:
+            self._execute("DELETE FROM result")
+        for task in tasks or ():
+            self._execute("DELETE FROM result WHERE task = ?", task)
 
     def put(self, task: str, key: str, result: TaskResult, *, count: int) -> None:
         """Store a result of so many pictures or frames; one with a ``reason`` failed."""
@@ -208,8 +208,7 @@ class Store:
             json.dumps(result.record),
         )
         query = "INSERT OR REPLACE INTO result VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
-        with _plain_errors(self.path):
-            self._connection.execute(query, (*row, _checksum(row)))
+        self._execute(query, *row, _checksum(row))
 
     def is_current(self, status: TaskStatus | None, key: str, limits: Limits) -> bool:
         """Tell whether a result still holds: what stricter limits stopped and an empty key do not."""
@@ -261,10 +260,9 @@ class Store:
         """Return the SHA-256 of a file or of a folder's files, read only where changed; empty without any."""
         name, stamp = str(path), content_stamp(path)
         query = "SELECT path, stamp, digest, checksum FROM input WHERE path = ? AND stamp = ?"
-        with _plain_errors(self.path):
-            row = self._connection.execute(query, (name, stamp)).fetchone()
-        if row is not None and _is_intact(row):
-            return str(row[2])
+        rows = self._execute(query, name, stamp)
+        if rows and _is_intact(rows[0]):
+            return str(rows[0][2])
         digest = content_digest(path) if stamp else ""
         if not self._read_only:
             self.remember(path, digest, stamp)
@@ -273,16 +271,12 @@ class Store:
     def remember(self, path: Path, digest: str, stamp: str | None = None) -> None:
         """Keep the SHA-256 of a file, by default of its current content, for `digest`."""
         values = str(path), content_stamp(path) if stamp is None else stamp, digest
-        with _plain_errors(self.path):
-            self._connection.execute(
-                "INSERT OR REPLACE INTO input VALUES (?, ?, ?, ?)", (*values, _checksum(values))
-            )
+        self._execute("INSERT OR REPLACE INTO input VALUES (?, ?, ?, ?)", *values, _checksum(values))
 
     def unchanged(self, path: Path) -> bool:
         """Tell whether a file or folder is still what `digest` last read."""
-        with _plain_errors(self.path):
-            row = self._connection.execute("SELECT stamp FROM input WHERE path = ?", (str(path),)).fetchone()
-        return row is not None and row[0] == content_stamp(path)
+        rows = self._execute("SELECT stamp FROM input WHERE path = ?", str(path))
+        return [stamp for (stamp,) in rows] == [content_stamp(path)]
 
 
 def _checksum(values: tuple[object, ...]) -> str:

@@ -18,6 +18,7 @@ from fingerpad._words import counted, joined
 from fingerpad.image import FACE_AXES
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS, library_versions
 from fingerpad.study.manifest.models import is_exact
+from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord
 
@@ -74,7 +75,7 @@ def _template_values(result: StudyResult) -> dict[str, Any]:
     fingers = [finger for finger in result.fingers.values() if finger.has_semi_axes]
     ways: dict[str, list[str]] = {}
     for finger in fingers:
-        ways.setdefault(_semi_axes_from(result, finger.name), []).append(finger.name)
+        ways.setdefault(_semi_axes_from(finger), []).append(finger.name)
     # Not contacts: one may be given for each of two ways to measure its finger.
     counts = {"observation": len(study.observations), "sequence": len(study.sequences)}
     scales = [_scale(result, name) for name in result.scales]
@@ -120,8 +121,8 @@ def _named(fingers: list[str]) -> str:
     return joined(fingers) if len(fingers) <= _MOST_LISTED else counted(len(fingers), "finger")
 
 
-def _semi_axes_from(result: StudyResult, name: str) -> str:
-    photographs = next(one for one in result.study.fingers if one.name == name).photographs
+def _semi_axes_from(finger: FingerResult) -> str:
+    photographs = finger.manifest.photographs
     if not photographs:
         return "given"
     seen = [face for face in FACE_AXES if any(one.face == face for one in photographs)]

@@ -27,6 +27,7 @@ from fingerpad.study.measuring.contacts import (
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
+from fingerpad.study.results.pooling import area_noise
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
@@ -369,12 +370,9 @@ def _at_load(
     mean = partial(_mean, freedom=freedom, sessions=count)
     modulus_scatter = between.get(("youngs_modulus", synthetic))
     area = contact_quantity(rows, "contact_area")
-    own = {part: rows[f"gross_area_mm2_{part}_std"].to_numpy() for part in ("noise", "edge")}
-    by_image = np.isfinite(rows["gross_area_mm2"].to_numpy())
-    relative = (rows[f"{axis}_mm_noise_std"] / rows[f"{axis}_mm"] for axis in ("semi_major", "semi_minor"))
-    ellipse = area * np.hypot(*(each.to_numpy() for each in relative))
-    noise = np.where(by_image, own["noise"], ellipse)
-    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), ellipse)
+    noise, by_image = area * area_noise(rows), np.isfinite(rows["gross_area_mm2"].to_numpy())
+    edge = np.where(by_image, rows["gross_area_mm2_edge_std"].to_numpy(), 0.0)
+    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), noise)
     repeats = area * repeatability.area_std
     # Of a finger without semi-axes no modulus is known.
     known = rows[:0] if np.isnan(rows[MODULUS].to_numpy()).any() else rows
@@ -391,7 +389,7 @@ def _at_load(
         **mean(
             "contact_area_mm2",
             area,
-            {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
+            {"noise": noise, "repeatability": repeats, "edge": edge},
             as_float_array(np.hypot(total, repeats)),
             scatter=between.get(("contact_area", synthetic)),
         ),
