@@ -7,5 +7,6 @@ import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[Any]
 Pixels: TypeAlias = npt.NDArray[np.uint8]
+Pair: TypeAlias = tuple[float, float]
 Range: TypeAlias = tuple[float, float]
 Rng: TypeAlias = np.random.Generator

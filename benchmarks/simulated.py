@@ -1,7 +1,7 @@
 """Studies whose pads and contacts are drawn at random: what claims about radii, moduli and means share."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from fingerpad.study.manifest.models import Finger, Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 
+# What a study has of one contact.
+Seen: TypeAlias = tuple[Observation, Measurement]
 NAMES = "palmar", "distal", "radial_ulnar"
 # What a semi-axis that is given exactly states, mm.
 EXACT = 1e-9
@@ -53,7 +55,7 @@ def contact(
     wedge_deg: float = 30.0,
     relative_scale_std: float = 0.0,
     **more: Any,
-) -> tuple[Observation, Measurement]:
+) -> Seen:
     """Return a contact image and what was measured in it: semi-axes, mm, sorted, and their covariance.
 
     What the scale leaves open is added to the covariance.

@@ -15,20 +15,6 @@ from benchmarks.truth.adhesion import KINDS, POISSON, Record, records
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LoadingCurve, fit_adhesion
 
-WORDS = {
-    "pad": "pads",
-    "pad_compliant": "pads, displacement of a stage that yields",
-    "afm": "spheres of a force microscope",
-    "afm_stage": "the same, displacement of the stage",
-    "hertz": "no adhesion",
-    "hysteresis": "contact line pinned",
-    "rate": "w grows with speed",
-    "md": "Maugis–Dugdale",
-    "truncated": "ends before pull-off",
-    "no_contact": "never touches",
-    "rough_noise": "noise 15 to 50 % of the pull-off",
-}
-
 
 def judged(record: Record) -> dict[str, float]:
     """Return whether the intervals of one record hold the truth, its flags, and E of Hertz over E."""
@@ -67,11 +53,11 @@ def report(count: int = 20, seed: int = 23) -> None:
         fitted = found[found["refused"] == 0]
         refused = f"{len(found) - len(fitted)} of {len(found)}"
         if fitted.empty:
-            return WORDS[kind], refused, *9 * ("–",)
+            return KINDS[kind], refused, *9 * ("–",)
         shares = (f"{fitted[name].sum():.0f}" for name in ("E", "w", "x0", "flagged", "silent"))
         modulus, work, hertz = fitted[["E std", "w std", "hertz"]].median()
         off = " to ".join(percent(one, "+") for one in (fitted["E off"].min(), fitted["E off"].max()))
-        return WORDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
+        return KINDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
 
     held = "E held", "w held", "x₀ held", "flagged", "silent"
     table(

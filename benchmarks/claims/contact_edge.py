@@ -7,14 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.simulated import contact, finger, study_of
+from benchmarks.simulated import Seen, contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
-from fingerpad.study.manifest.models import Observation
-from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows
 from fingerpad.uncertainty import pool
@@ -69,7 +67,7 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
     return (pooled.value - _true_radius()) / pooled.std
 
 
-def _contact(one: Measured, number: int, shared: bool) -> tuple[Observation, Measurement]:
+def _contact(one: Measured, number: int, shared: bool) -> Seen:
     found, truth = one.found.ellipse, one.truth
     errors = np.array([float(found.semi_major), float(found.semi_minor)]) - truth.semi_axes
     return contact(

@@ -5,11 +5,11 @@ Tamaas is a dependency of the tests; ContactMechanics is timed where it is insta
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.metadata import version
 from importlib.util import find_spec
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import tamaas
@@ -35,33 +35,32 @@ def _sphere(x: Array, y: Array) -> Array:
 
 def exact_solutions() -> None:
     """Print errors of area, load or indentation, and peak pressure, where they are known."""
-    rows = []
+    cases: dict[str, tuple[Callable[..., SolvedContact], dict[str, float]]] = {}
     for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
         bodies = Paraboloid(_RADIUS, ratio * _RADIUS)
         hertz = hertz_contact(bodies, _HALF_SPACE, load=0.5)
-        for points in _GRIDS:
-            found = solve_contact(bodies, _HALF_SPACE, load=0.5, points=points)
-            exact = float(hertz.area), float(hertz.indentation), float(hertz.peak_pressure)
-            values = float(found.area), float(found.indentation), float(found.peak_pressure)
-            rows.append(_cells(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found))
+        exact = {name: float(getattr(hertz, name)) for name in ("area", "indentation", "peak_pressure")}
+        cases[f"Hertz, R''/R' = {ratio:g}"] = partial(solve_contact, bodies, _HALF_SPACE, load=0.5), exact
     for radius in (2.0, 5.0, 8.0):
         log = math.log((_RADIUS + radius) / (_RADIUS - radius))
         load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
-        depth, sides = radius / 2 * log, (radius, radius)
-        for points in _GRIDS:
-            found = solve_gap(_sphere, _HALF_SPACE, half_widths=sides, indentation=depth, points=points)
-            exact = math.pi * radius**2, load, math.nan
-            values = float(found.area), float(found.load), math.nan
-            rows.append(_cells(f"sphere, a/R = {radius / _RADIUS:g}", points, values, exact, found))
+        known: dict[str, Any] = {"half_widths": (radius, radius), "indentation": radius / 2 * log}
+        exact = {"area": math.pi * radius**2, "load": load}
+        cases[f"sphere, a/R = {radius / _RADIUS:g}"] = (
+            partial(solve_gap, _sphere, _HALF_SPACE, **known),
+            exact,
+        )
+
+    def cells(name: str, points: int) -> Iterator[str]:
+        solve, exact = cases[name]
+        found = solve(points=points)
+        yield from (name, f"{points}²")
+        yield from (f"{float(getattr(found, of)) / true - 1:.1e}" for of, true in exact.items())
+        yield from (*(3 - len(exact)) * ("–",), f"{found.relative_error:.1e}")
+
+    rows = (list(cells(name, points)) for name in cases for points in _GRIDS)
     columns = "contact", "cells", "area", "W or ξ", "peak pressure", "estimate of the area's error"
     table(columns, rows, "Relative errors of the solver, against exact solutions")
-
-
-def _cells(
-    name: str, points: int, values: tuple[float, ...], exact: tuple[float, ...], found: SolvedContact
-) -> tuple[object, ...]:
-    errors = ("–" if math.isnan(b) else f"{a / b - 1:.1e}" for a, b in zip(values, exact, strict=True))
-    return name, f"{points}²", *errors, f"{found.relative_error:.1e}"
 
 
 def speed() -> None:

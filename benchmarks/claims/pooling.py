@@ -12,15 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.simulated import contact, finger, study_of
+from benchmarks.simulated import Seen, contact, finger, study_of
 from benchmarks.tables import table
 from fingerpad._arrays import ArrayLike
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
 from fingerpad.study.compare import Person, Value, means_of
-from fingerpad.study.manifest.models import Observation
-from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows
 from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
@@ -48,7 +46,7 @@ def _score(one: Callable[[Rng], tuple[ArrayLike, ArrayLike, ArrayLike]], repeats
     return Score(bias=off.mean(axis=0) / typical, error=error, covered=held.mean(axis=0))
 
 
-def faces(names: Sequence[Face], std: ArrayLike, scale_std: float, repeats: int, seed: int = 0) -> Score:
+def faces(names: Sequence[Face], std: ArrayLike, scale_std: float, repeats: int) -> Score:
     """Score the three semi-axes from faces whose outlines err by `std` (mm), each in a scale of its own."""
 
     def one(random: Rng) -> tuple[Array, Array, Array]:
@@ -62,10 +60,10 @@ def faces(names: Sequence[Face], std: ArrayLike, scale_std: float, repeats: int,
         off = found.semi_axes - PAD
         return off, found.stds, np.abs(off) < 1.96 * found.stds
 
-    return _score(one, repeats, seed, 1)
+    return _score(one, repeats, 0, 1)
 
 
-def estimates(count: int, relative_std: float, repeats: int, seed: int = 0) -> Score:
+def estimates(count: int, relative_std: float, repeats: int) -> Score:
     """Score the mean of estimates of one value, as of the radii from several loading curves."""
 
     def one(random: Rng) -> tuple[float, float, bool]:
@@ -75,7 +73,7 @@ def estimates(count: int, relative_std: float, repeats: int, seed: int = 0) -> S
         off = found.value - RADIUS
         return off, found.total_std, abs(off) < 1.96 * found.total_std
 
-    return _score(one, repeats, seed, 2)
+    return _score(one, repeats, 0, 2)
 
 
 def varying(count: int, relative_std: float, between: float, repeats: int, seed: int = 0) -> Score:
@@ -93,9 +91,7 @@ def varying(count: int, relative_std: float, between: float, repeats: int, seed:
     return _score(one, repeats, seed, 3)
 
 
-def people(
-    count: int, relative_std: float, repeats: int, seed: int = 0, *, fingers_as_people: bool = False
-) -> Score:
+def people(count: int, relative_std: float, repeats: int, *, fingers_as_people: bool = False) -> Score:
     """Score the mean over people of three fingers each, who differ by 10 %, their fingers by 5 %."""
     given: dict[str, Any] = {"quantity": "radius_from_indentation_mm", "study": "A", "synthetic": False}
 
@@ -117,10 +113,10 @@ def people(
         low, high = mean.interval
         return mean.value - RADIUS, mean.std, low <= RADIUS <= high
 
-    return _score(one, repeats, seed, 4)
+    return _score(one, repeats, 0, 4)
 
 
-def contacts(count: int, relative_std: float, elongation: float, repeats: int, seed: int = 0) -> Score:
+def contacts(count: int, relative_std: float, elongation: float, repeats: int) -> Score:
     """Score R_δ and R_Aξ pooled over contacts on a pad that is known exactly."""
     curvature = Placement(Ellipsoid(*PAD), wedge_angle=np.radians(30)).curvature
     truth = np.array(
@@ -140,12 +136,10 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
         off, stds = np.array([each.value for each in pooled]) - truth, np.array([each.std for each in pooled])
         return off, stds, np.abs(off) < 1.96 * stds
 
-    return _score(one, repeats, seed, 5)
+    return _score(one, repeats, 0, 5)
 
 
-def _contact(
-    random: Rng, load: float, relative_std: float, elongation: float
-) -> tuple[Observation, Measurement]:
+def _contact(random: Rng, load: float, relative_std: float, elongation: float) -> Seen:
     true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
     axes = true * (1 + relative_std * random.normal(size=2))
     return contact(f"c{load:g}", load, axes, np.diag(np.square(relative_std * np.sort(axes)[::-1])))

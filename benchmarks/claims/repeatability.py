@@ -13,11 +13,9 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.simulated import contact, finger, study_of
+from benchmarks.simulated import Seen, contact, finger, study_of
 from benchmarks.tables import share, table
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.manifest.models import Observation
-from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import AtLoadRecord
@@ -142,9 +140,7 @@ def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[flo
     yield "modulus", interval, 1000 * float(outputs["youngs_modulus"])
 
 
-def _contact(
-    rng: Rng, where: tuple[str, str], load: float, log_axes: Array
-) -> tuple[Observation, Measurement]:
+def _contact(rng: Rng, where: tuple[str, str], load: float, log_axes: Array) -> Seen:
     axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
     covariance = np.diag(np.square(NOISE * np.sort(axes)[::-1]))
     of, session = where

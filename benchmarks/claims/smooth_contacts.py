@@ -18,16 +18,6 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import Frame, measure_contact_image, measure_sequence
 from fingerpad.image.levels import luma
 
-WORDS = {
-    "ftir": "frustrated reflection, bright contact",
-    "ftir_dark": "the same in a prism, dark contact",
-    "gelsight": "gel with three coloured lamps",
-    "wet": "wet, with a meniscus",
-    "newton": "Newton's rings",
-    "none": "no contact",
-    "cut": "contact that the frame cuts",
-}
-
 
 @dataclass(slots=True)
 class Score:
@@ -108,6 +98,6 @@ def report(first_seed: int = 200, seeds: int = 4) -> None:
     head = ("device", "n", "bias, rms error", "stated, held", "refused", "missed", "without contact", "flags")
     for title, with_background in (("With a picture of the empty view", True), ("Without", False)):
         scores = ((kind, accuracy(kind, numbers, 2, with_background=with_background)) for kind in KINDS)
-        table(head, ((WORDS[kind], *score.cells()) for kind, score in scores), title)
-    presses = ((WORDS[kind], *sequence_accuracy(kind, numbers, 6).cells()) for kind in DEVICES)
+        table(head, ((KINDS[kind], *score.cells()) for kind, score in scores), title)
+    presses = ((KINDS[kind], *sequence_accuracy(kind, numbers, 6).cells()) for kind in DEVICES)
     table(head, presses, "Frames of presses")

@@ -16,12 +16,11 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.simulated import contact, finger, study_of
+from benchmarks.simulated import Seen, contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest.models import Curve, Observation, Study, Uncertainty
-from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.manifest.models import Curve, Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
@@ -153,9 +152,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, di
     return validity, {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
 
 
-def _contacts(
-    truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng
-) -> Iterator[tuple[Observation, Measurement]]:
+def _contacts(truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng) -> Iterator[Seen]:
     scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
     for number, load in enumerate(np.repeat(truth.loads, truth.repeats).tolist()):
         pressed = press(truth, radii, load)

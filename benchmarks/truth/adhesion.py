@@ -23,10 +23,19 @@ from scipy.optimize import brentq
 from benchmarks.arrays import Array, Rng
 
 POISSON = 0.5
-KINDS = (
-    "pad", "pad_compliant", "afm", "afm_stage", "hertz", "hysteresis", "rate", "md", "truncated",
-    "no_contact", "rough_noise",
-)  # fmt: skip
+KINDS = {
+    "pad": "pads",
+    "pad_compliant": "pads, displacement of a stage that yields",
+    "afm": "spheres of a force microscope",
+    "afm_stage": "the same, displacement of the stage",
+    "hertz": "no adhesion",
+    "hysteresis": "contact line pinned",
+    "rate": "w grows with speed",
+    "md": "Maugis–Dugdale",
+    "truncated": "ends before pull-off",
+    "no_contact": "never touches",
+    "rough_noise": "noise 15 to 50 % of the pull-off",
+}
 _RANGE_MM = 0.4e-6  # of attraction
 _POWERS = -0.5, 0.5, 1.5  # of 1 − r² in the functions of the pressure
 
@@ -234,7 +243,7 @@ def _follow(X: Array, d: Array, F: Array, k: float | None, reach: float) -> tupl
 def records(seed: int, count: int, kind: str) -> Iterator[Record]:
     """Yield `count` records of a kind."""
     for number in range(count):
-        rng = np.random.default_rng([seed, number, KINDS.index(kind)])
+        rng = np.random.default_rng([seed, number, [*KINDS].index(kind)])
         yield _record(rng, kind)
 
 

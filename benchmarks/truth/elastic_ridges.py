@@ -14,7 +14,7 @@ from functools import partial
 import cv2
 import numpy as np
 
-from benchmarks.arrays import Array, Range, Rng
+from benchmarks.arrays import Array, Pair, Range, Rng
 from benchmarks.truth.true_image import TrueImage, eight_bit, holes, smooth_noise
 
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
@@ -91,9 +91,7 @@ def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
     return phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step)
 
 
-def _contact(
-    x: Array, y: Array, semi_axes: tuple[float, float], width: float, rng: Rng
-) -> tuple[Array, Array]:
+def _contact(x: Array, y: Array, semi_axes: Pair, width: float, rng: Rng) -> tuple[Array, Array]:
     """Return where ridges touch, without holes, and the distance from the crest as a share of the period."""
     step = float(y[1, 0] - y[0, 0])
     turn = rng.normal(0, 0.3)

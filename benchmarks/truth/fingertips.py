@@ -14,8 +14,7 @@ from typing import Final
 import numpy as np
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.truth.finger_outlines import SIZES_MM
-from benchmarks.truth.finger_shapes import ShapedFinger, photograph_outline
+from benchmarks.truth.finger_shapes import SIZES_MM, ShapedFinger, photograph_outline
 from fingerpad.image import Face
 
 # Normals from the fold below the pad of a side face, over the tip, to the widest place on the other side.

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from scipy import fft, ndimage, sparse
 
-from benchmarks.arrays import Array, Rng
+from benchmarks.arrays import Array, Pair, Rng
 
 GRID_STEP = 0.05
 AREA_STEP = 0.008
@@ -321,15 +321,7 @@ def _lost_width(rng: Rng, ridges: Array, outline: Outline, density: float, width
     return lost
 
 
-def stamp(
-    image: Array,
-    centre: tuple[float, float],
-    sizes: tuple[float, float],
-    *,
-    angle: float,
-    height: float,
-    step: float,
-) -> None:
+def stamp(image: Array, centre: Pair, sizes: Pair, *, angle: float, height: float, step: float) -> None:
     """Add a Gaussian spot of the given standard deviations, in mm, at a place in pixels."""
     reach = int(np.ceil(3.5 * max(sizes) / step)) + 1
     top, left = (max(round(c) - reach, 0) for c in centre)

@@ -57,39 +57,44 @@ class Skin:
 class Contact:
     """Fields on the fine grid, and the truth."""
 
+    press: Press
     mm: float
     touching: Array
     pressure: Array
     outside: Array  # mm beyond the true boundary along the radius, negative inside
     phase: Array
-    gross_area: float
-    ridge_area: float
-    hull_area: float
-    semi_major: float
-    semi_minor: float
+
+    @property
+    def ridge_area(self) -> float:
+        """Area of the touching ridges, mm²."""
+        return float(self.touching.sum() * self.mm**2)
+
+    @property
+    def semi_axes(self) -> tuple[float, float]:
+        """Semi-axes of the boundary's ellipse, mm."""
+        return true_image.equal_ellipse(_radius(self.press, _TURN))
 
 
+_TURN = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
 smooth_noise = partial(true_image.smooth_noise, knots=lambda n: int(np.ceil(n)) + 2)
 
 
 def _radius(press: Press, angle: Array) -> Array:
     """Distance of the boundary from the middle, mm, at angles from the major axis."""
-    turn = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
 
     def shape(t: Array) -> Array:
         major, minor = np.sqrt(press.aspect), 1 / np.sqrt(press.aspect)
         sum_of_powers = np.abs(np.cos(t) / major) ** press.power + np.abs(np.sin(t) / minor) ** press.power
         return sum_of_powers ** (-1 / press.power) * (1 + press.egg * np.cos(t))
 
-    unit_area = np.pi * np.mean(shape(turn) ** 2)
+    unit_area = np.pi * np.mean(shape(_TURN) ** 2)
     return shape(angle) * np.sqrt(press.area / unit_area)
 
 
 def boundary_of(press: Press) -> Array:
     """Return the boundary: points right of and below the middle, mm."""
-    angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
-    radius = _radius(press, angle)
-    up, left = radius * np.cos(angle), radius * np.sin(angle)
+    radius = _radius(press, _TURN)
+    up, left = radius * np.cos(_TURN), radius * np.sin(_TURN)
     c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     return np.stack([-(up * s + left * c), -(up * c - left * s)], axis=1)
 
@@ -160,19 +165,4 @@ def press_pad(press: Press, skin: Skin, *, mm: float, shape: tuple[int, int], rn
     width = touching_width(pressure * np.maximum(height, 0.05) - skin.threshold, skin)
     rough = skin.roughness * smooth_noise(rng, shape, skin.roughness_mm / mm)
     touching = (phase / np.pi + rough < width) & (rho2 < 1) & ~_holes(phase, skin, mm, rng)
-    points = np.stack(np.nonzero(touching), axis=1)
-    semi_major, semi_minor = true_image.equal_ellipse(
-        _radius(press, np.linspace(0, 2 * np.pi, 4096, endpoint=False))
-    )
-    return Contact(
-        mm=mm,
-        touching=touching,
-        pressure=np.asarray(pressure),
-        outside=distance - edge,
-        phase=phase,
-        gross_area=press.area,
-        ridge_area=float(touching.sum() * mm**2),
-        hull_area=float(cv2.contourArea(cv2.convexHull(points.astype(np.int32))) * mm**2),
-        semi_major=semi_major,
-        semi_minor=semi_minor,
-    )
+    return Contact(press, mm, touching, np.asarray(pressure), outside=distance - edge, phase=phase)

@@ -104,5 +104,5 @@ def pressure_image(name: str, number: int, area: float | None = None, **skin: An
     extent = 2 * np.abs(boundary_of(press)).max(axis=0) + 2 * _MARGIN_MM
     columns, rows = np.ceil(extent / mm_per_px).astype(int) * pixels
     contact = press_pad(press, ridges, mm=mm_per_px / pixels, shape=(rows, columns), rng=rng)
-    picture, semi_axes = photograph(contact, optics, pixels, rng), (contact.semi_major, contact.semi_minor)
-    return TrueImage(picture, mm_per_px, contact.gross_area, contact.ridge_area, semi_axes)
+    picture = photograph(contact, optics, pixels, rng)
+    return TrueImage(picture, mm_per_px, press.area, contact.ridge_area, contact.semi_axes)

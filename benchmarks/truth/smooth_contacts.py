@@ -24,8 +24,16 @@ from benchmarks.truth.true_image import jpeg
 
 Shape: TypeAlias = tuple[int, int]
 
-KINDS = ("ftir", "ftir_dark", "gelsight", "wet", "newton", "none", "cut")
-DEVICES = KINDS[:5]
+KINDS = {
+    "ftir": "frustrated reflection, bright contact",
+    "ftir_dark": "the same in a prism, dark contact",
+    "gelsight": "gel with three coloured lamps",
+    "wet": "wet, with a meniscus",
+    "newton": "Newton's rings",
+    "none": "no contact",
+    "cut": "contact that the frame cuts",
+}
+DEVICES = [*KINDS][:5]
 _T, _W = np.polynomial.legendre.leggauss(14)
 _SUB, _NEAR_PX = 6, 3.0  # points along a pixel's side, where the edge is within so many pixels
 _TINTS = (1, 0.98, 0.94), (0.12, 1, 0.3), (0.12, 0.4, 1), (1, 0.22, 0.15), (1, 0.85, 0.6)
@@ -530,7 +538,7 @@ def _picture(kind: str, scene: _Scene, noise: Rng) -> Picture:
 def pictures(seed: int, count: int, kind: str) -> Iterator[Picture]:
     """Yield `count` pictures of a device, of contacts that the frame cuts, or of views without one."""
     for number in range(count):
-        rng = np.random.default_rng([seed, number, KINDS.index(kind)])
+        rng = np.random.default_rng([seed, number, [*KINDS].index(kind)])
         device = DEVICES[number % 5] if kind in {"none", "cut"} else kind
         hovers = kind == "none" and rng.random() < 0.4
         scene = _Scene(rng, device, cut=kind == "cut", touches=kind != "none", hovers=hovers)
@@ -543,7 +551,7 @@ def loading(seed: int, count: int, kind: str) -> Iterator[Picture]:
     The contact's radius goes with the load's cube root.
     """
     for number in range(count + 1):
-        rng = np.random.default_rng([seed, KINDS.index(kind), 99])
+        rng = np.random.default_rng([seed, [*KINDS].index(kind), 99])
         scene = _Scene(rng, kind, grown=(max(number, 1) / count) ** (1 / 3))
         frame = _picture(kind, scene, np.random.default_rng([seed, number]))
         yield frame if number else replace(frame, image=frame.background, area=0.0)

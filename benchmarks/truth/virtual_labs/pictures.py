@@ -66,9 +66,8 @@ def contact_image(
     rho = contact_mask(outline, np.cos(turn) * dr - np.sin(turn) * dc, np.sin(turn) * dr + np.cos(turn) * dc)
     inside = rho < 1
     local = pressure * np.interp(rho, PROFILE_AT, np.maximum(profile, 0), right=0)
-    if len(PROFILE_AT) > 1:  # the last step of the profile falls like a square root
-        tail = rho > PROFILE_AT[-2]
-        local[tail] = pressure * profile[-2] * np.sqrt(np.maximum(1 - rho[tail], 0) / (1 - PROFILE_AT[-2]))
+    tail = rho > PROFILE_AT[-2]  # the last step of the profile falls like a square root
+    local[tail] = pressure * profile[-2] * np.sqrt(np.maximum(1 - rho[tail], 0) / (1 - PROFILE_AT[-2]))
     width = device.ridge_width * local**device.widening
     phase = _ridges(rows, columns, rng)
     slope = np.pi * device.ridge_width * 0.1
@@ -83,9 +82,8 @@ def contact_image(
     ground, contrast = (225, 150) if device.dark_on_light else (30, 150)
     light = 1 + device.shading * _smooth(n, 0.4 * n, rng)
     grey = ground + (-contrast if device.dark_on_light else contrast) * signal
-    grey = (
-        grey * light + device.texture * _smooth(n, 1.5 / mm_per_px, rng) + rng.normal(0, device.noise, (n, n))
-    )
+    grey = grey * light + device.texture * _smooth(n, 1.5 / mm_per_px, rng)
+    grey = grey + rng.normal(0, device.noise, (n, n))
     return np.clip(grey, 0, 255), float(inside.sum()) * step**2
 
 
@@ -128,9 +126,8 @@ def _specks(n: int, mm_per_px: float, count: int, rng: Rng) -> Array:
     for _ in range(count):
         centre = tuple(int(x) for x in rng.uniform(0, n, 2))
         axes = tuple(max(1, int(x / mm_per_px)) for x in rng.uniform(0.03, 0.2, 2))
-        cv2.ellipse(
-            specks, centre, axes, float(rng.uniform(0, 180)), 0, 360, float(rng.uniform(0.2, 0.8)), -1
-        )
+        turn, depth = rng.uniform(0, 180), rng.uniform(0.2, 0.8)
+        cv2.ellipse(specks, centre, axes, turn, 0, 360, depth, -1)
     return ndimage.gaussian_filter(specks, 0.8)
 
 
