@@ -82,7 +82,7 @@ INVALID = {
         (lambda: BrushStroke(**STROKE | {"radius": -2}), "radius of a stroke must be positive"),
         (lambda: RegionPolygon(action="add", points=[(9, 9)]), r"3 or more, found shape \(1, 2\)"),
         (lambda: RegionPolygon(action="smear", points=[(9, 9)] * 3), "remove or replace, found 'smear'"),
-        (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey levels"),
+        (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey"),
         (lambda: Picture(pixels=np.zeros((2, 2, 3)), dots_per_inch=500), r"found shape \(2, 2, 3\)"),
     ],
     FitError: [

@@ -19,7 +19,7 @@ from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph import face_arc
-from fingerpad.image.photograph.points import _arc
+from fingerpad.image.photograph.manual import _arc
 from fingerpad.image.photograph.shape import ShapeAverage
 
 Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]

@@ -140,3 +140,11 @@ def test_invalid_tables(tmp_path, text, words):
     with pytest.raises(ImageError, match=words) as caught:
         read_outline(path)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("count", [8, 80])
+def test_an_unknown_face_is_refused(count):
+    angles = np.linspace(0, math.pi, count)
+    points = np.stack([11.8 * np.cos(angles), 13.8 * np.sin(angles)], axis=-1)
+    with pytest.raises(FitError, match="face must be one of palmar, .* found 'dorsal'"):
+        face_from_outline("dorsal", points)

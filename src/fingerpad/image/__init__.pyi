@@ -42,16 +42,14 @@ from .photograph.faces import (
     implausible_size as implausible_size,
 )
 from .photograph.manual import (
+    face_from_outline as face_from_outline,
     photograph_from_ellipse as photograph_from_ellipse,
     photograph_from_handles as photograph_from_handles,
+    read_marks as read_marks,
+    read_outline as read_outline,
     with_marked_points as with_marked_points,
 )
 from .photograph.measure import measure_photograph as measure_photograph
-from .photograph.points import (
-    face_from_outline as face_from_outline,
-    read_marks as read_marks,
-    read_outline as read_outline,
-)
 from .photograph.result import PhotographFit as PhotographFit
 from .read import (
     Picture as Picture,

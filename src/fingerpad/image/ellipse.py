@@ -5,17 +5,19 @@ orientation of the major axis from straight up, counter-clockwise as seen on the
 `PlaneEllipse` is for fits to points (x, y): unsorted semi-axes along and across an angle from x towards y.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._arrays import (
     ArrayLike,
     BoolArray,
     FloatArray,
+    IndexArray,
     as_float_array,
     finite_angle,
     finite_number,
@@ -230,7 +232,7 @@ def evenly_spaced(
     return np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
 
 
-def runs(mask: BoolArray, *, closed: bool = True) -> list[npt.NDArray[np.intp]]:
+def runs(mask: BoolArray, *, closed: bool = True) -> list[IndexArray]:
     """Return the indices of each run of an outline's points for which a mask holds."""
     # A closed outline is turned to begin outside, so that none is cut in two.
     order = np.roll(np.arange(len(mask)), -int(np.argmin(mask)) if closed else 0)

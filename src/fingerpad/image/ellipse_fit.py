@@ -36,6 +36,7 @@ class EllipseFit(Displayed):
     ellipse: PlaneEllipse
     covariance: FloatArray  # (5, 5); of x, y, semi_x, semi_y, angle, zero for an angle that was not fitted
     residual_std: float  # of the orthogonal distances
+    correlation: float | None = None  # so many neighbouring points count as one; None where not asked
 
 
 def fit_ellipse(points: ArrayLike) -> EllipseFit:
@@ -61,14 +62,18 @@ def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
 def _fitted(
     points: ArrayLike, min_count: int, direct: Callable[[FloatArray], Parameters]
 ) -> tuple[Parameters, FloatArray, float]:
-    """Return what `refine` does from a direct fit, in the unit of the points."""
+    """Return the parameters from a direct fit, their covariance, and the residual deviation."""
     points = _check_points(points, min_count)
     local, shift, size = normalise(points)
-    values, covariance, residual_std = refine(local, direct(local))
+    values = refine(local, direct(local))
+    off, design = distances(values, local)
+    freedom = len(local) - values.size
+    variance = float(off @ off) / freedom if freedom > 0 else math.nan
+    covariance = variance * np.linalg.pinv(design.T @ design)
     units = np.array([size, size, size, size, 1.0])[: values.size]
     values *= units
     values[:2] += shift
-    return values, covariance * np.outer(units, units), residual_std * size
+    return values, as_float_array(covariance * np.outer(units, units)), math.sqrt(variance) * size
 
 
 def _check_points(points: ArrayLike, min_count: int) -> FloatArray:
@@ -160,25 +165,35 @@ def distances(values: Parameters, points: FloatArray) -> tuple[FloatArray, Float
     return distance, -np.column_stack([to_centre, to_axes, to_angle][: 3 if values.size == 5 else 2])
 
 
-def refine(points: FloatArray, start: Parameters) -> tuple[Parameters, FloatArray, float]:
-    """Minimise the orthogonal distances; return parameters, their covariance, and the residual deviation."""
+def refine(
+    points: FloatArray,
+    start: Parameters,
+    *,
+    whitened: Callable[[FloatArray], FloatArray] = np.asarray,
+    tilt: tuple[float, float] | None = None,
+    sizes: tuple[float, float] = (1e-3, 1e3),
+    tolerance: float = 1e-12,
+    max_steps: int = 200,
+) -> Parameters:
+    """Minimise the orthogonal distances, as independent unit errors, and that from a tilt with its std.
+
+    Ellipses of semi-axes beyond `sizes` are refused.
+    """
 
     def off(values: Parameters) -> FloatArray:
-        return distances(values, points)[0]
+        own = whitened(distances(values, points)[0])
+        return own if tilt is None else np.append(own, (values[4] - tilt[0]) / tilt[1])
 
     def slopes(values: Parameters) -> FloatArray:
-        return distances(values, points)[1]
+        own = whitened(distances(values, points)[1])
+        return own if tilt is None else np.vstack([own, [0.0, 0.0, 0.0, 0.0, 1 / tilt[1]]])
 
-    result = least_squares(off, start, jac=slopes, xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=200)
-    values = np.asarray(result.x, dtype=np.float64)
+    limits = {"xtol": tolerance, "ftol": tolerance, "gtol": 1e-12, "max_nfev": max_steps}
+    values = as_float_array(least_squares(off, start, jac=slopes, **limits).x)
     values[2:4] = np.abs(values[2:4])
-    design = slopes(values)
-    freedom = len(points) - values.size
-    variance = 2 * result.cost / freedom if freedom > 0 else math.nan
-    if not np.isfinite(values).all() or values[2:4].max() > 1e3 or values[2:4].min() < 1e-3:
+    if not np.isfinite(values).all() or values[2:4].min() < sizes[0] or values[2:4].max() > sizes[1]:
         raise FitError("the points do not determine an ellipse: mark a longer arc of the outline")
-    covariance = variance * np.linalg.pinv(design.T @ design)
-    return values, np.asarray(covariance, dtype=np.float64), math.sqrt(variance)
+    return values
 
 
 def correlation_length(residuals: FloatArray, places: npt.NDArray[np.integer]) -> float:

@@ -1,5 +1,7 @@
 """A checkerboard or a grid of dots: the scale of a plane, and its pictures without perspective."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -294,9 +296,9 @@ def measure_grid(
     grey = picture_levels(grey_levels(image), "image", CalibrationError).astype(np.float32)
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
-    find, what = (_corners, "inner corners") if pattern == "checkerboard" else (_dots, "dots")
-    places = find(levels, points)
+    places = _find_points(levels, points, pattern)
     if places is None:
+        what = "dots" if pattern == "dots" else "inner corners"
         raise CalibrationError(
             f"no grid of {rows} × {columns} {what} found: count them down and along, and show all of them on "
             "a light margin"
@@ -314,20 +316,20 @@ def measure_grid(
     )
 
 
-def _corners(levels: npt.NDArray[np.uint8], points: tuple[int, int]) -> npt.NDArray[np.float32] | None:
-    """Return the inner corners of a checkerboard, (x, y), row by row."""
+def _find_points(
+    levels: npt.NDArray[np.uint8], points: tuple[int, int], pattern: Pattern
+) -> npt.NDArray[np.float32] | None:
+    """Return the inner corners of a checkerboard, or the centres of dots, (x, y), row by row."""
+    size = (points[1], points[0])
+    if pattern == "dots":
+        found, dots = cv2.findCirclesGrid(levels, size, flags=cv2.CALIB_CB_SYMMETRIC_GRID)
+        return np.asarray(dots, dtype=np.float32) if found else None
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
-    found, corners = cv2.findChessboardCornersSB(levels, (points[1], points[0]), flags=flags)
+    found, corners = cv2.findChessboardCornersSB(levels, size, flags=flags)
     if not found:
         return None
-    rough = np.asarray(corners, dtype=np.float32).reshape(points[0], points[1], 2)
+    rough = np.asarray(corners, dtype=np.float32).reshape(*points, 2)
     apart = min(float(np.linalg.norm(np.diff(rough, axis=axis), axis=-1).min()) for axis in (0, 1))
     window = max(2, round(apart / 4))
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 60, 1e-4)
     return np.asarray(cv2.cornerSubPix(levels, rough.reshape(-1, 1, 2), (window, window), (-1, -1), stop))
-
-
-def _dots(levels: npt.NDArray[np.uint8], points: tuple[int, int]) -> npt.NDArray[np.float32] | None:
-    """Return the centres of dots, (x, y), row by row."""
-    found, dots = cv2.findCirclesGrid(levels, (points[1], points[0]), flags=cv2.CALIB_CB_SYMMETRIC_GRID)
-    return np.asarray(dots, dtype=np.float32) if found else None

@@ -59,15 +59,23 @@ def picture_array(
         raise error(f"{name} must be an array of grey levels or colours: {cause}") from cause
 
 
-def picture_levels(
+def checked_picture(
     value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError, *, colour: bool = False
-) -> Pixels:
-    """Return a grey picture's levels, or with `colour` either kind's, as uint8, uint16 or float32."""
+) -> npt.NDArray[Any]:
+    """Return a grey picture, or with `colour` either kind, as an array of any real type."""
     array = picture_array(value, name, error)
     if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] >= 3)):
         raise error(wrong_shape(array, name, colour=colour))
     if array.dtype.kind not in "buif":
-        raise error(f"{name} must hold grey levels or colours, found {array.dtype}")
+        raise error(f"{name} must hold grey levels or colours, found {array.dtype}: read a picture as either")
+    return array
+
+
+def picture_levels(
+    value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError, *, colour: bool = False
+) -> Pixels:
+    """Return a grey picture's levels, or with `colour` either kind's, as uint8, uint16 or float32."""
+    array = checked_picture(value, name, error, colour=colour)
     levels = storable(array.view(np.uint8) if array.dtype == bool else array)
     if not np.isfinite(levels).all():
         raise error(f"{name} holds NaN or infinite values: fill them first")

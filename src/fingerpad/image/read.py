@@ -1,5 +1,7 @@
 """Read a picture file into a plain two-dimensional grey array."""
 
+from __future__ import annotations
+
 import math
 import re
 import stat
@@ -13,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import tifffile
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, UnidentifiedImageError
 
 from fingerpad._arrays import positive_number, set_fields
 from fingerpad._display import Displayed
@@ -23,11 +25,11 @@ from fingerpad.image.levels import (
     Pixels,
     apply_orientation,
     check_memory,
+    checked_picture,
     eight_bit,
     levels_of_image,
     luma,
     on_white,
-    picture_array,
     storable,
 )
 from fingerpad.image.tiff import is_reduced_copy, levels_of_page, tifffile_warnings
@@ -68,17 +70,11 @@ class Picture(Displayed):
     dots_per_inch: float | None
 
     def __post_init__(self) -> None:
-        pixels = picture_array(self.pixels, "pixels")
-        if pixels.ndim != 2 or not pixels.size or pixels.dtype.kind not in "buif":
-            raise ImageError(
-                "pixels must be grey levels, real numbers in rows and columns, found shape "
-                f"{pixels.shape} of {pixels.dtype}"
-            )
-        resolution = self.dots_per_inch
-        if resolution is not None:
-            resolution = positive_number(resolution, "dots_per_inch", CalibrationError)
-        set_fields(self, dots_per_inch=resolution)
-        object.__setattr__(self, "pixels", pixels)  # no copy: a picture may take much of the memory allowed
+        # No copy: a picture may take much of the memory allowed.
+        object.__setattr__(self, "pixels", checked_picture(self.pixels, "pixels"))
+        if self.dots_per_inch is not None:
+            resolution = positive_number(self.dots_per_inch, "dots_per_inch", CalibrationError)
+            set_fields(self, dots_per_inch=resolution)
 
 
 def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:
@@ -255,11 +251,9 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
         if count > 1 and image.format != "MPO":  # a telephone's JPEG, followed by a preview
             raise ImageError(_SEVERAL.format(count))
         resolution = _resolution_of_image(image)
-        if not deep:
-            return levels_of_image(ImageOps.exif_transpose(image)), resolution
         image.load()  # what is cut short or damaged is refused here
-        tag = image.getexif().get(_ORIENTATION_TAG, 1)
-    return apply_orientation(_decode_by_opencv(path), int(tag)), resolution
+        levels = _decode_by_opencv(path) if deep else levels_of_image(image)
+        return apply_orientation(levels, image.getexif().get(_ORIENTATION_TAG, 1)), resolution
 
 
 def _resolution_of_image(image: Image.Image) -> float | None:

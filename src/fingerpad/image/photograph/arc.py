@@ -9,17 +9,15 @@ its own size: points there are weighted accordingly.
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy import special
 from scipy.linalg import solve_triangular
-from scipy.optimize import least_squares
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, robust_std
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, IndexArray, as_float_array, robust_std
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation, runs
 from fingerpad.image.ellipse_fit import (
@@ -29,10 +27,9 @@ from fingerpad.image.ellipse_fit import (
     distances,
     fit_aligned_ellipse,
     normalise,
+    refine,
 )
 from fingerpad.image.photograph.faces import Face
-
-IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 # Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
 PAD_MIDDLE: Mapping[Face, float] = {
@@ -75,14 +72,9 @@ _ROUNDS = 2
 _REACH = 0.25
 _REJECTION = 4.0
 _MIN_FREEDOM = 3.0
+# Semi-axes in units of the points' spread.
+_SEARCH: Final[dict[str, Any]] = {"sizes": (0.02, 50.0), "tolerance": 1e-9, "max_steps": 60}
 _TWO_SIDED_95 = 1.959964
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class ArcFit(EllipseFit):
-    """An ellipse fitted to ordered points whose errors are correlated; all is in the unit of the points."""
-
-    correlation: float  # number of neighbouring points that count as one
 
 
 def fit_arc_ellipse(
@@ -92,7 +84,7 @@ def fit_arc_ellipse(
     places: ArrayLike | None = None,
     start: ArrayLike | None = None,
     beyond: ArrayLike | None = None,
-) -> ArcFit:
+) -> EllipseFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
     `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its standard
@@ -112,12 +104,12 @@ def fit_arc_ellipse(
         values = conic_start(local[on_arc], tilt[0])
     else:
         values = (as_float_array(start) - [*shift, 0, 0, 0]) / unit
-    values = _refine(local[on_arc], values, (tilt[0], math.inf), np.asarray)
+    values = refine(local[on_arc], values, tilt=(tilt[0], math.inf), **_SEARCH)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
         spread = bend_covariance(past[~on_arc], _radii_of_curvature(values, local[on_arc][[0, -1]]))
         whitened = _whitening(on_arc, variance * correlation, spread)
-        values = _refine(local, values, tilt, whitened)
+        values = refine(local, values, whitened=whitened, tilt=tilt, **_SEARCH)
     residuals, design = distances(values, local)
     white = whitened(design)
     information = white.T @ white
@@ -127,7 +119,7 @@ def fit_arc_ellipse(
     widening = (special.stdtrit(freedom, 0.975) / _TWO_SIDED_95) ** 2
     covariance = widening * np.linalg.pinv(information, hermitian=True) * np.outer(unit, unit)
     values = values * unit + [*shift, 0, 0, 0]
-    return ArcFit(
+    return EllipseFit(
         ellipse=PlaneEllipse(*values.tolist()),
         covariance=np.asarray(covariance, dtype=np.float64),
         residual_std=float(np.std(residuals[on_arc])) * size,
@@ -136,8 +128,8 @@ def fit_arc_ellipse(
 
 
 def extend_arc(
-    points: FloatArray, used: npt.NDArray[np.intp], fit: ArcFit, tilt: tuple[float, float]
-) -> ArcFit:
+    points: FloatArray, used: IndexArray, fit: EllipseFit, tilt: tuple[float, float]
+) -> EllipseFit:
     """Fit an arc's ellipse again, with the outline just beyond the ends of the points used."""
     values, (first, last) = fit.ellipse.parameters, used[[0, -1]]
     places, spacing = outline_places(points)
@@ -226,29 +218,6 @@ def conic_start(points: FloatArray, tilt: float) -> Parameters:
     return np.array([*(turn @ (x, y)), semi_x, semi_y, tilt])
 
 
-def _refine(
-    points: FloatArray,
-    start: Parameters,
-    tilt: tuple[float, float],
-    whitened: Callable[[FloatArray], FloatArray],
-) -> Parameters:
-    """Minimise the orthogonal distances, whitened, together with the distance from the known tilt."""
-    prior = np.array([[0.0, 0.0, 0.0, 0.0, 1 / tilt[1]]])
-
-    def off(values: Parameters) -> FloatArray:
-        return np.append(whitened(distances(values, points)[0]), (values[4] - tilt[0]) / tilt[1])
-
-    def slopes(values: Parameters) -> FloatArray:
-        return np.concatenate([whitened(distances(values, points)[1]), prior])
-
-    result = least_squares(off, start, jac=slopes, xtol=1e-9, ftol=1e-9, gtol=1e-12, max_nfev=60)
-    values = np.asarray(result.x, dtype=np.float64)
-    values[2:4] = np.abs(values[2:4])
-    if not np.isfinite(values).all() or values[2:4].max() > 50 or values[2:4].min() < 0.02:
-        raise FitError("the points do not determine an ellipse: mark a longer arc of the outline")
-    return values
-
-
 def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float, float]:
     """Return the variance of single points and the number of neighbours that count as one.
 
@@ -265,7 +234,7 @@ def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float,
 class PadArc(NamedTuple):
     """The arc of the pad and its ellipse."""
 
-    fit: ArcFit  # the ellipse of the points used
+    fit: EllipseFit  # the ellipse of the points used
     used: IndexArray  # into the outline, in order along it
     rejected: IndexArray
 

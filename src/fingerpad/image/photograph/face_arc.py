@@ -15,11 +15,11 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
+from fingerpad.image.ellipse_fit import EllipseFit
 from fingerpad.image.photograph.arc import (
     MAX_RELATIVE_STD,
     PAD_MIDDLE,
     SURELY_PAD,
-    ArcFit,
     extend_arc,
     fit_arc_ellipse,
     initial_ellipse,
@@ -203,14 +203,14 @@ def photograph_fit(
     )
 
 
-def _fitted(arc: FaceArc) -> ArcFit:
+def _fitted(arc: FaceArc) -> EllipseFit:
     """Return the arc's ellipse, to which the outline just beyond its ends contributes."""
     used, (places, _) = np.flatnonzero(arc.points["used"]), outline_places(arc.xy)
     fit = fit_arc_ellipse(arc.xy[used], arc.tilt, places=places[used], start=arc.start)
     return extend_arc(arc.xy, used, fit, arc.tilt)
 
 
-def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage:
+def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.xy, arc.face)
     middle = PAD_MIDDLE[arc.face]

@@ -8,6 +8,8 @@ length. A covariance of lengths whose contribution from the scale is computed fr
 the result below all of them (Peelle's pertinent puzzle).
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -29,7 +31,7 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad._plausible import LEAST_SEMI_AXIS_MM
-from fingerpad.exceptions import FitError, ImageError
+from fingerpad.exceptions import FingerpadError, FitError, ImageError
 
 Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
 Direction: TypeAlias = Literal["up", "down", "left", "right"]
@@ -61,10 +63,15 @@ def opposite(direction: Direction) -> Direction:
     return _TURNS[(_TURNS.index(direction) + 2) % 4]
 
 
+def check_face(face: str, error: type[FingerpadError]) -> None:
+    """Refuse what is no face of a finger."""
+    if face not in tuple(FACE_AXES):
+        raise error(f"face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+
+
 def palmar_directions(face: Face, tip: Direction, palmar: Direction | None) -> tuple[Direction, ...]:
     """Return the directions that the palmar side may have in the photograph, one if it is known."""
-    if face not in tuple(FACE_AXES):
-        raise ImageError(f"face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+    check_face(face, ImageError)
     for name, direction in (("tip", tip), ("palmar", palmar)):
         if not (direction in tuple(STEPS) or (name == "palmar" and direction is None)):
             raise ImageError(f"{name} must be one of {', '.join(STEPS)}, found {direction!r}")
@@ -131,8 +138,7 @@ class FaceSemiAxes(Displayed):
     flags: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        if self.face not in tuple(FACE_AXES):
-            raise FitError(f"face must be one of {', '.join(FACE_AXES)}, found {self.face!r}")
+        check_face(self.face, FitError)
         scale_std = non_negative_number(self.relative_scale_std, "relative_scale_std", FitError)
         what = f"{self.face} face: "
         lengths = real_array(self.semi_axes, f"{what}semi_axes", FitError)
@@ -299,11 +305,8 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     if between_std > _MAX_BETWEEN_STD:
         raise FitError(_contradiction(faces, design, off))
     semi_axes = np.exp(means + shift)
-    palmar, distal, radial_ulnar = map(float, semi_axes)
     return PadSemiAxes(
-        palmar=palmar,
-        distal=distal,
-        radial_ulnar=radial_ulnar,
+        **dict(zip(SEMI_AXES, semi_axes.tolist(), strict=True)),
         covariance=np.asarray(joint * np.outer(semi_axes, semi_axes), dtype=np.float64),
         between_relative_std=between_std,
         chi_square=chi_square if freedom else 0.0,

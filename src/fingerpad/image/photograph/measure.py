@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
+from fingerpad._arrays import ArrayLike, FloatArray, IndexArray, as_float_array, real_array
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.levels import picture_array
+from fingerpad.image.levels import checked_picture
 from fingerpad.image.photograph.arc import (
     PAD_MIDDLE,
     candidate_points,
@@ -29,7 +28,6 @@ from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.photograph.silhouette import (
-    IndexArray,
     Silhouette,
     SubpixelOutline,
     Window,
@@ -106,8 +104,10 @@ def measure_photograph(
     {'radial_ulnar': 12, 'distal': 14}
     """
     sides = palmar_directions(face, tip, palmar)
-    pixels, scale = colour_levels(image), as_scale(scale)
-    light = opponent_light(_check_image(pixels))
+    pixels, scale = checked_picture(colour_levels(image), "pixels", colour=True), as_scale(scale)
+    if not np.isfinite(pixels).all():
+        raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
+    light = opponent_light(pixels)
     size = (light.shape[0], light.shape[1])
     window = None if region_of_interest is None else _check_window(region_of_interest, size)
     marks = None if points is None else _check_marks(points, size)
@@ -138,7 +138,7 @@ def measure_photograph(
     best = min(
         tried, key=lambda one: np.linalg.norm(np.sqrt(np.diagonal(one.edge_covariance)) / one.semi_axes)
     )
-    return replace(best, _picture=np.asarray(pixels))
+    return replace(best, _picture=pixels)
 
 
 def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> SubpixelOutline:
@@ -194,20 +194,6 @@ def _pad_arc(
         ends_known=marked is not None,
         blur=edges.blur,
     )
-
-
-def _check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return the picture, validated."""
-    values = picture_array(pixels, "pixels")
-    if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
-        raise ImageError(
-            f"pixels must be grey (rows, columns) or colour (rows, columns, 3), found shape {values.shape}"
-        )
-    if values.dtype.kind not in "uif":
-        raise ImageError(f"pixels must be numbers, found {values.dtype}: read the picture as grey or colour")
-    if values.dtype.kind == "f" and not np.isfinite(values).all():
-        raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
-    return values
 
 
 def _check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:

@@ -1,5 +1,7 @@
 """The result of measuring a photograph of one face."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -80,16 +80,13 @@ def beyond_chance(off: ArrayLike, std: ArrayLike) -> FloatArray:
     return np.asarray(off**3 / (off**2 + std**2))
 
 
-class HalfWidth(NamedTuple):
-    """Half of an outline's width at the pad's widest place."""
+def half_width(
+    points: FloatArray, pad: FloatArray, across: float, along: float, face: Face
+) -> tuple[float, float, float]:
+    """Return half of an outline's width at the pad's widest place, what is hidden of it, and its middle.
 
-    value: float
-    hidden: float  # how much is not seen, for the shaft that is wider or because the outline ends above
-    middle: float  # x of the place midway between the sides
-
-
-def half_width(points: FloatArray, pad: FloatArray, across: float, along: float, face: Face) -> HalfWidth:
-    """Return half of an outline's width; arguments are those of `contradicted_by_lengths`.
+    Hidden is what a wider shaft covers, or what lies below the outline's end. Arguments are those of
+    `contradicted_by_lengths`.
 
     Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
     than the pad. How much wider it is beyond what is common, is the pad's.
@@ -108,7 +105,7 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
     value = abs(ends[0] - ends[1]) / 2
     more = max(float(np.ptp(pad[:, 0])) / 2 - value, 0.0) if face == "palmar" and len(pad) else 0.0
     more_pad = float(beyond_chance(more, LENGTHS.shaft * across))
-    return HalfWidth(value + more_pad, hidden + more - more_pad, sum(ends) / 2)
+    return value + more_pad, hidden + more - more_pad, sum(ends) / 2
 
 
 def _heights(out: FloatArray, y: FloatArray, tip_y: float, width: float) -> list[float]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, FloatArray, IndexArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, runs
@@ -41,7 +41,6 @@ _MIDDLE = 0.2
 # How far a mark may be off the outline, in widths of the finger.
 _MARK_REACH = 0.1
 
-IndexArray: TypeAlias = npt.NDArray[np.intp]
 Window: TypeAlias = tuple[slice, slice]
 
 
@@ -63,7 +62,7 @@ class Silhouette(NamedTuple):
         # The contour of a mask runs along its pixels' middles, half a pixel inside.
         return (smooth + 0.5) * self.reduction - 0.5
 
-    def cut_sides(self) -> dict[Direction, npt.NDArray[np.intp]]:
+    def cut_sides(self) -> dict[Direction, IndexArray]:
         """Return the sides of the frame that cut the finger, with the cut's rows or columns in the copy."""
         bands: dict[Direction, BoolArray] = {
             "up": self.mask[:2],
