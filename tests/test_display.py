@@ -74,8 +74,8 @@ def test_reprs_are_short(results: dict[str, object]) -> None:
 
 
 # Small inputs of a few numbers keep the representation of a dataclass or tuple.
-PLAIN = {"Fault", "FrameRate", "ImageEllipse", "PlaneEllipse", "PrincipalRadii", "PronyTerm"}
-PLAIN |= {"Fault", "Table"}  # what the tables of a manifest share
+PLAIN = {"FrameRate", "ImageEllipse", "PlaneEllipse", "PrincipalRadii", "PronyTerm"}
+PLAIN |= {"Fault", "Table"}  # of a manifest: what is wrong in it, and what its tables share
 PACKAGES = (
     "geometry", "contact", "image", "loading", "published", "simulate", "uncertainty",
     "study.manifest.load", "study.manifest.models",
