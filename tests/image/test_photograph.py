@@ -190,6 +190,7 @@ def blank(level=128):
     [
         ({"pixels": blank()}, "no finger found"),
         ({"pixels": np.zeros((300, 260, 2), np.uint8)}, "shape"),
+        ({"pixels": np.zeros((300, 260, 6), np.uint8)}, "shape"),
         ({"pixels": np.zeros((10, 10), np.uint8)}, "too small"),
         ({"pixels": np.zeros((100, 100), bool)}, "bool"),
         (

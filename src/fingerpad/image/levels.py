@@ -64,10 +64,10 @@ def checked_picture(
 ) -> npt.NDArray[Any]:
     """Return a grey picture, or with `colour` either kind, as an array of any real type."""
     array = picture_array(value, name, error)
-    if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] >= 3)):
+    if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] in {3, 4})):
         raise error(wrong_shape(array, name, colour=colour))
     if array.dtype.kind not in "buif":
-        raise error(f"{name} must hold grey levels or colours, found {array.dtype}: read a picture as either")
+        raise error(f"{name} must hold grey levels or colours, found {array.dtype}: read it as either")
     return array
 
 

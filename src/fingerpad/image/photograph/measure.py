@@ -105,6 +105,8 @@ def measure_photograph(
     """
     sides = palmar_directions(face, tip, palmar)
     pixels, scale = checked_picture(colour_levels(image), "pixels", colour=True), as_scale(scale)
+    if pixels.dtype == bool:
+        raise ImageError("pixels must hold grey levels or colours, found bool: a mask is no photograph")
     if not np.isfinite(pixels).all():
         raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
     light = opponent_light(pixels)
