@@ -198,7 +198,7 @@ def _details(
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
     contacts, shown = summary.contacts, plots.shown_rows(summary)
-    notes = text.note_counts(summary)
+    noted = text.names_by_note(summary)
     doubtful = contacts[contacts["flags"] != ""]
     doubtful = doubtful.iloc[np.argsort(doubtful["pooled"].to_numpy(), kind="stable")]  # those left out first
     out = contacts[~contacts["pooled"]]
@@ -222,7 +222,9 @@ def _details(
         ],
         "edge": "–".join(dict.fromkeys(map(two_digits, (edge.min(), edge.max())))) if edge.size else "",
         "range_notes": [
-            (flag, notes[code], len(summary.places)) for code, flag in FLAGS["row"].items() if notes[code]
+            (flag, len(noted[code]), len(summary.places))
+            for code, flag in FLAGS["row"].items()
+            if code in noted
         ],
         "layer": summary.layer,
         "layer_lines": comparisons(result, summary),

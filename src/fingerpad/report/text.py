@@ -239,12 +239,13 @@ def placement_words(summary: Summary) -> str:
     return f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{roll}"
 
 
-def note_counts(summary: Summary) -> Counter[str]:
-    """Return how many rows of a summary have each range note."""
-    counts: Counter[str] = Counter()
-    for codes, count in Counter(summary.column("range_notes")).items():
-        counts.update(dict.fromkeys((codes or "").split(), count))
-    return counts
+def names_by_note(summary: Summary) -> dict[str, list[str]]:
+    """Return the rows of a summary that have each range note, by name."""
+    names: dict[str, list[str]] = {}
+    for name, codes in zip(summary.column("observation"), summary.column("range_notes"), strict=True):
+        for code in (codes or "").split():
+            names.setdefault(code, []).append(name)
+    return names
 
 
 def sequence_notes(result: StudyResult) -> Iterator[str]:
@@ -261,11 +262,7 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
     for summary in result.summaries:
-        noted = zip(summary.column("observation"), summary.column("range_notes"), strict=True)
-        names: dict[str, list[str]] = {}
-        for name, notes in noted:
-            for code in (notes or "").split():
-                names.setdefault(code, []).append(name)
+        names = names_by_note(summary)
         for flag in (FLAGS["row"][code] for code in _OF_NO_FINGER if code in names):
             which = joined(names[flag.code], _MOST_NAMED)
             yield f"{placement_words(summary)}: {which}: {flag.words}: {flag.to_do}"
@@ -279,13 +276,14 @@ def presses_unlike_repeats(result: StudyResult) -> Iterator[str]:
                 f"presses of one finger under one load differ in area by {100 * repeats.area_std:.0f} %, "
                 f"where {100 * PRESS_STD:.0f} % is usual: check that each image has its own load and angle"
             )
-    if unlike := unlike_repeats(result.rows, result.repeatability.values()):
-        names = joined((one.observation for one in unlike), _MOST_NAMED)
-        off = sorted(100 * abs(one.ratio - 1) for one in unlike)
+    unlike, usual = unlike_repeats(result.rows, result.repeatability.values())
+    if unlike:
+        names = joined(unlike, _MOST_NAMED)
+        off = sorted(100 * abs(ratio - 1) for ratio in unlike.values())
         how_far = f"{off[0]:.0f} %" if len(off) == 1 else f"{off[0]:.0f} to {off[-1]:.0f} %"
         yield (
             f"{names}: {how_far} off the median area of the presses under one load, where "
-            f"{100 * unlike[0].usual_std:.1f} % is usual: check finger, load and angle"
+            f"{100 * usual:.1f} % is usual: check finger, load and angle"
         )
 
 

@@ -18,6 +18,7 @@ from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import reduced_modulus
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError, reason_of
+from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.engine.task import Record, Work, in_study, versions_of
@@ -38,6 +39,9 @@ class Shape:
     geometric_mean_radius: float
     load: FloatArray
     ratio: FloatArray
+
+
+_IMPLAUSIBLE: Final = frozenset(flag.code for flag in FLAGS["curve"].values() if flag.excludes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,7 +73,7 @@ class CurveResult:
     @property
     def is_plausible(self) -> bool:
         """Whether R_g and modulus can be a finger pad's: if not, one of its units is another."""
-        return self.radius_is_plausible and (self.fit is None or "implausible_modulus" not in self.fit.flags)
+        return self.fit is None or _IMPLAUSIBLE.isdisjoint(self.fit.flags)
 
     @property
     def name(self) -> str:

@@ -201,7 +201,7 @@ class PhotographItem(OneTaskItem[Photograph]):
 
 
 def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
-    """Return the photographs of a finger that are to be measured: images that nobody rejected."""
+    """Return the photographs of a finger that are to be measured: images that are not rejected."""
     images = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
     return [
         PhotographItem(context=context, name=name, finger=finger, table=one)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice, takewhile
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -196,19 +196,14 @@ def _scatter(
     return StudyScatter(quantity=quantity, synthetic=synthetic, scatter=scatter, missing=missing)
 
 
-class UnlikeRepeat(NamedTuple):
-    """A contact whose area is none of those that its repeats have."""
-
-    observation: str
-    ratio: float  # of its area to the median of all of them
-    usual_std: float  # relative standard deviation of an area about such a median
-
-
-def unlike_repeats(table: pd.DataFrame, repeatability: Iterable[ContactRepeatability]) -> list[UnlikeRepeat]:
+def unlike_repeats(
+    table: pd.DataFrame, repeatability: Iterable[ContactRepeatability]
+) -> tuple[dict[str, float], float]:
     """Return contacts that count whose areas depart from their repeats' by far more than repeats do.
 
-    How far repeats depart is the median over all of them, which a few wrong ones do not move, or how they
-    scatter within sessions, if that is less.
+    Each stands with the ratio of its area to their median. How far repeats depart, relative, is returned too:
+    the median over all of them, which a few wrong ones do not move, or how they scatter within sessions, if
+    that is less.
     """
     rows = table[["observation", "finger", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
     rows = rows[table["pooled"] & table["frame"].isna()]
@@ -219,13 +214,10 @@ def unlike_repeats(table: pd.DataFrame, repeatability: Iterable[ContactRepeatabi
     several = apart[(size >= _FEWEST_REPEATS) & (apart != 0)].abs()
     # The median size of a normal deviate is 0.67 standard deviations, and of three about their median 0.7.
     usual = several.median() / 0.7 if several.size >= _ENOUGH else PRESS_STD
-    usual = min([usual, *(one.area_std for one in repeatability if one.known)])
-    odd = several[several > np.maximum(_UNLIKE * usual, _LEAST_UNLIKE)].index
+    usual = float(min([usual, *(one.area_std for one in repeatability if one.known)]))
+    odd = several[several > max(_UNLIKE * usual, _LEAST_UNLIKE)].index
     names = items(rows["observation"].iloc[odd])
-    return [
-        UnlikeRepeat(name, math.exp(apart[place]), float(usual))
-        for name, place in zip(names, odd, strict=True)
-    ]
+    return dict(zip(names, np.exp(apart[odd]).tolist(), strict=True)), usual
 
 
 def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
