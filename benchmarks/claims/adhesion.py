@@ -1,6 +1,6 @@
 """Coverage of the law of JKR on records that no closed law made.
 
-Records are those of `benchmarks.truth.adhesion`: contact energy from Boussinesq's kernel, a machine's spring,
+Records are those of `benchmarks.truth.adhesion`: the energy of a bonded disc, a machine's spring,
 and a contact line that moves downhill. The radius is exact, so that nothing but the fit is tried; w is that
 of the way out.
 """

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims import finger_shapes
-from benchmarks.claims.finger_shapes import SIDES
+from benchmarks.claims import fingertips
+from benchmarks.claims.fingertips import SIDES
 from benchmarks.tables import Row, errors_table, rows_of
 from benchmarks.truth.anatomic_fingers import FACES, WEDGES_DEG, AnatomicFinger, fingers
 from fingerpad.exceptions import FingerpadError
@@ -22,7 +22,7 @@ TITLES: Final = ("Radius along the finger, faces combined", "Mean radius of curv
 def measure(truth: AnatomicFinger) -> dict[Face, PhotographFit]:
     """Return the measurements of a finger's photographs, without those that are refused."""
     found = {
-        face: finger_shapes.measure(pixels, face, truth.mm_per_px, SIDES[face])
+        face: fingertips.measure(pixels, face, truth.mm_per_px, SIDES[face])
         for face, pixels in truth.photographs.items()
     }
     return {face: fit for face, fit in found.items() if fit is not None}

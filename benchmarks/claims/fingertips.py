@@ -1,8 +1,54 @@
 """Photographs of fingertips of known curvature: bias, stated uncertainty and coverage of the semi-axes."""
 
-from benchmarks.claims.finger_shapes import measured, print_semi_axes
+import zlib
+from collections.abc import Iterator
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from benchmarks.arrays import Array, Pixels
+from benchmarks.tables import Row, errors_table, rows_of
+from benchmarks.truth.fingertips import SHAPES, ShapedFinger, render
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
+from fingerpad.image.photograph.faces import Direction
+
+SIDES: Final[dict[Face, Direction | None]] = {"palmar": None, "distal": "up", "radial": "right"}
+Finger: TypeAlias = tuple[str, ShapedFinger, PhotographFit | None]
+
+
+def measured(
+    count: int, seed: int, faces: tuple[Face, ...] = ("palmar", "distal", "radial")
+) -> Iterator[Finger]:
+    """Yield each shape's name, a finger of it and its measurement, None where that is refused."""
+    for name in SHAPES:
+        for number in range(count):
+            rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
+            face = faces[number % len(faces)]
+            truth = render(name, rng, face)
+            yield name, truth, measure(truth.pixels, face, truth.mm_per_px, SIDES[face])
+
+
+def measure(
+    pixels: Pixels, face: Face, mm_per_px: float, palmar: Direction | None, points: Array | None = None
+) -> PhotographFit | None:
+    """Return the measurement of a photograph, None where it is refused."""
+    try:
+        return measure_photograph(pixels, face, Scale(mm_per_px), palmar=palmar, points=points)
+    except FingerpadError:
+        return None
 
 
 def report(count: int = 8, seed: int = 75) -> None:
-    """Print errors, stated uncertainty and coverage by shape."""
-    print_semi_axes(measured("known curvature", count, seed))
+    """Print errors, stated uncertainty and coverage of the semi-axes by shape."""
+    rows: dict[str, list[Row]] = {}
+    refused = 0
+    for name, truth, found in measured(count, seed):
+        if found is None:
+            refused += 1
+            continue
+        of_shape = rows_of(
+            found.semi_axes, truth.semi_axes, found.covariance, "not_an_ellipse" in found.flags
+        )
+        rows.setdefault(name, []).extend(of_shape)
+    errors_table(f"Semi-axes; {refused} photographs refused", rows)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims.finger_shapes import FAMILIES, Finger, measured
+from benchmarks.claims.fingertips import Finger, measured
 from benchmarks.tables import off, percent, share, stated, table
 from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.simulate._finger_shape import finger_shape, pad_arc
@@ -43,7 +43,7 @@ def print_roughness() -> None:
     table(("arc", "standard deviation"), rows, title)
 
 
-def print_radii(fingers: Iterable[Finger], of: str) -> None:
+def print_radii(fingers: Iterable[Finger]) -> None:
     """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
     rows: dict[str, list[tuple[float, float, float]]] = {}
     for name, truth, found in fingers:
@@ -62,13 +62,12 @@ def print_radii(fingers: Iterable[Finger], of: str) -> None:
             for e, s, by_ellipse in [np.array(some).T]
             for seen in [np.isfinite(e)]
         ),
-        f"Radius of curvature where a wedge touches, in the plane of a side face: outline alone, {of}",
+        "Radius of curvature where a wedge touches, in the plane of a side face: outline alone",
     )
 
 
 def report(seed: int = 85, sides: int = 5) -> None:
-    """Print what roughness leaves of an axis, and errors of radii of curvature, of both families."""
+    """Print what roughness leaves of an axis, and errors of radii of curvature."""
     cv2.setNumThreads(1)
     print_roughness()
-    for family in FAMILIES:
-        print_radii(measured(family, sides, seed, ("radial",)), family)
+    print_radii(measured(sides, seed, ("radial",)))

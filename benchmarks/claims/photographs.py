@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims import finger_shapes
+from benchmarks.claims import fingertips
 from benchmarks.tables import Row, percent, rows_of, share, stated, table
 from fingerpad.image import Face, PhotographFit
 from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
@@ -56,7 +56,7 @@ def measure(finger: SyntheticFinger, *, marked: bool) -> PhotographFit | None:
     """Return the measurement of a finger with nine marks or none, None where it is refused."""
     palmar = None if finger.face == "palmar" else finger.palmar
     points = finger.arc_points(9) if marked else None
-    return finger_shapes.measure(finger.pixels, finger.face, finger.mm_per_px, palmar, points)
+    return fingertips.measure(finger.pixels, finger.face, finger.mm_per_px, palmar, points)
 
 
 def trial(seed: int, *, marked: bool) -> tuple[float, list[Row]]:

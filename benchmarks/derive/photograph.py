@@ -1,10 +1,10 @@
 """What photographed fingers that are no ellipses add to the uncertainty of semi-axes and radii.
 
-Shape and lengths: the faces of `benchmarks.claims.photograph_terms`, whose arcs are found once. Radii: side
-faces of `benchmarks.claims.finger_shapes` and `benchmarks.claims.fingertips`, at four wedges.
+Shape and lengths: fingertips of known curvature, three-dimensional ones, ellipses with marks and without, and
+outlines given as points, whose arcs are found once. Radii: side faces of known curvature, at four wedges.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from functools import lru_cache
 from types import ModuleType
@@ -14,14 +14,16 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims import photograph_terms
-from benchmarks.claims.finger_shapes import FAMILIES, measured
+from benchmarks.claims import anatomic_fingers, fingertips, outlines, photographs
 from benchmarks.derive.fit import Compared, Problem
+from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FitError
 from fingerpad.image import PhotographFit
+from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph import face_arc, shape
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
 from fingerpad.image.photograph.face_arc import FaceArc
+from fingerpad.image.photograph.manual import _arc
 
 _WEDGES_DEG = (15.0, 30.0, 45.0, 60.0)
 # Errors count no more than this, nor less where a radius is not seen.
@@ -38,17 +40,38 @@ class SeenFace(NamedTuple):
     semi_axes: Array
 
 
+def _arcs(count: int, seed: int) -> Iterator[SeenFace]:
+    """Yield faces of all kinds of truth, each with the arc of its outline."""
+    for _, truth, found in fingertips.measured(count, seed):
+        if found is not None:
+            yield SeenFace(found._arc, np.asarray(truth.semi_axes))
+    for finger in fingers(max(count // 3, 2), seed):
+        for face, found in anatomic_fingers.measure(finger).items():
+            yield SeenFace(found._arc, np.asarray(finger.semi_axes[face]))
+    for marked in (False, True):
+        for number in range(12 * count):
+            ellipse = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
+            found = photographs.measure(ellipse, marked=marked)
+            if found is not None:
+                yield SeenFace(found._arc, np.asarray(ellipse.semi_axes))
+    for place, kind in enumerate(outlines.KINDS):
+        for number in range(4 * count):
+            face = outlines.FACES[number % 3]
+            points, semi_axes = outlines.draw(kind, face, np.random.default_rng([seed, place, number]))
+            yield SeenFace(_arc(face, points, fit_aligned_ellipse(points).ellipse), semi_axes)
+
+
 @lru_cache(maxsize=2)
 def faces(count: int, seed: int) -> tuple[SeenFace, ...]:
     """Return the faces whose arc determines an ellipse."""
     seen = []
-    for _, truth, arc in photograph_terms.faces(count, seed):
+    for one in _arcs(count, seed):
         try:
-            _fitted(arc)
-            face_arc.face_from_arc(arc)
+            _fitted(one.arc)
+            face_arc.face_from_arc(one.arc)
         except FitError:
             continue
-        seen.append(SeenFace(arc, truth))
+        seen.append(one)
     return tuple(seen)
 
 
@@ -88,8 +111,7 @@ def radii(count: int, seed: int) -> list[SeenRadius]:
     """Return the places where wedges touch side faces."""
     return [
         SeenRadius(found, angle, truth.radius(angle))
-        for family in FAMILIES
-        for _, truth, found in measured(family, count, seed, ("radial",))
+        for _, truth, found in fingertips.measured(count, seed, ("radial",))
         if found is not None
         for angle in np.radians(_WEDGES_DEG).tolist()
     ]

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array, Pixels, Rng
-from benchmarks.truth.finger_shapes import ROUGHNESS_MM, cover, even, leaning, normals
+from benchmarks.truth.fingertips import ROUGHNESS_MM, cover, even, leaning, normals
 from benchmarks.truth.true_image import jpeg
 from fingerpad.image import Face
 

@@ -9,16 +9,78 @@ face, whose other half is the nail's side, what the palmar half reaches out from
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
+import cv2
 import numpy as np
 
-from benchmarks.arrays import Array, Rng
-from benchmarks.truth.finger_shapes import SIZES_MM, ShapedFinger, photograph_outline
+from benchmarks.arrays import Array, Pixels, Rng
 from fingerpad.image import Face
 
+ROUGHNESS_MM = 0.012
+# Least and greatest semi-axes across and along.
+SIZES_MM: dict[Face, tuple[tuple[float, float], tuple[float, float]]] = {
+    "palmar": ((8, 11), (10, 15)),
+    "distal": ((8, 11), (6, 9)),
+    "radial": ((6, 9), (10, 15)),
+}
 # Normals from the fold below the pad of a side face, over the tip, to the widest place on the other side.
 _PSI: Final = np.linspace(math.radians(-50), math.pi, 8001)
+
+
+def even(points: Array, step: float = 0.05) -> Array:
+    """Return points at even steps, mm, along a closed outline."""
+    closed = np.concatenate([points, points[:1]])
+    place = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    at = np.arange(0, place[-1], step)
+    return np.stack([np.interp(at, place, closed[:, k]) for k in (0, 1)], axis=-1)
+
+
+def normals(points: Array) -> Array:
+    """Return the outward normals of an even outline that turns anticlockwise."""
+    tangent = np.roll(points, -3, axis=0) - np.roll(points, 3, axis=0)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
+
+
+def leaning(rng: Rng) -> Array:
+    """Return a matrix that turns points, as rows, by up to three degrees."""
+    lean = math.radians(rng.uniform(-3, 3))
+    return np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
+
+
+def cover(outlines: list[Array], corner: tuple[float, float], shape: tuple[int, int], scale: float) -> Array:
+    """Return how much of each pixel outlines cover; the corner is the upper left one, mm, y up."""
+    fine = 4
+    canvas = np.zeros((shape[0] * fine, shape[1] * fine), np.uint8)
+    for outline in outlines:
+        places = (
+            np.stack([outline[:, 0] - corner[0], corner[1] - outline[:, 1]], axis=-1) / scale * fine - 0.5
+        )
+        cv2.fillPoly(canvas, [np.rint(places * 16).astype(np.int32)], 255, cv2.LINE_AA, shift=4)
+    small = cv2.resize(canvas, shape[::-1], interpolation=cv2.INTER_AREA)
+    return np.asarray(small / 255.0, dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class ShapedFinger:
+    """A photograph of a finger, its true semi-axes across and along, and the outline of its tip, mm."""
+
+    pixels: Pixels
+    face: Face
+    mm_per_px: float
+    semi_axes: tuple[float, float]
+    tip: Array
+
+    def radius(self, angle: float) -> float:
+        """Return the radius of curvature, mm, where the normal is at this angle from the right, rad."""
+        step = np.diff(self.tip, axis=0)
+        length = np.linalg.norm(step, axis=1)
+        turn = np.unwrap(np.arctan2(-step[:, 0], step[:, 1]))
+        place = np.cumsum(length) - length / 2
+        low, high = np.interp([angle - 0.01, angle + 0.01], turn, place)
+        return float(high - low) / 0.02
 
 
 def _ellipse(psi: Array, across: float, along: float) -> Array:
@@ -88,6 +150,15 @@ def _outline(radii: Array) -> Array:
     return np.concatenate([np.zeros((1, 2)), np.cumsum(step * (pace[1:] + pace[:-1]) / 2, axis=0)])
 
 
+def superellipse(exponents: tuple[float, float], across: float, along: float) -> Array:
+    """Return points (x, y) of a tip from right to left, with an exponent for each side."""
+    t = np.linspace(0, math.pi / 2, 4001)
+    right, left = (
+        np.stack([across * np.cos(t) ** (2 / p), along * np.sin(t) ** (2 / p)], axis=-1) for p in exponents
+    )
+    return np.concatenate([right, left[-2::-1] * [-1, 1]])
+
+
 def render(name: str, rng: Rng, face: Face) -> ShapedFinger:
     """Draw one finger before a backdrop, with rough skin, blur, pixels and noise."""
     scale = rng.uniform(0.045, 0.07)
@@ -115,3 +186,28 @@ def _shaft(rng: Rng, tip: Array, face: Face, seen: Array) -> Array:
     in_by = math.tan(math.radians(rng.uniform(0, 3))) * -low
     first = seen[0, 0] * (0.95 if face == "radial" else 1) - in_by
     return np.concatenate([seen, [[-across + in_by, low], [first, low]]])
+
+
+def photograph_outline(rng: Rng, body: Array, face: Face, scale: float) -> Pixels:
+    """Draw a closed outline as rough skin before a backdrop."""
+    skin = even(body)
+    outline = (skin + normals(skin) * _rough(rng, len(skin))[:, None]) @ leaning(rng)
+    low, high = outline.min(axis=0) - 4, outline.max(axis=0) + 4
+    if face != "distal":
+        low[1] = outline[:, 1].min() + 1.5  # the finger leaves the frame below
+    columns, rows = (int(n) for n in np.ceil((high - low) / scale))
+    share = cover([outline], (low[0], high[1]), (rows, columns), scale)
+    share = np.asarray(cv2.GaussianBlur(share, (0, 0), rng.uniform(0.7, 1.4)))
+    skin_colour = np.array([205, 160, 135]) * rng.uniform(0.7, 1.1)
+    ground = np.array([[60, 90, 150], [70, 130, 80], [235, 238, 240]][rng.integers(3)])
+    light = 1 + 0.1 * np.linspace(-1, 1, columns)[None, :, None] * rng.uniform(-1, 1)
+    colour = light * (share[..., None] * skin_colour + (1 - share[..., None]) * ground)
+    noisy = colour + rng.normal(0, rng.uniform(1, 4), colour.shape)
+    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
+
+
+def _rough(rng: Rng, count: int) -> Array:
+    """Return the skin's roughness, alike over 0.3 mm."""
+    kernel = np.exp(-0.5 * (np.arange(-20, 21) / 6) ** 2)
+    noise = np.convolve(rng.standard_normal(count + 40), kernel, mode="valid")
+    return ROUGHNESS_MM * noise / noise.std()

@@ -59,7 +59,7 @@ def test_pull_off() -> None:
 
 
 def test_against_contact_energy() -> None:
-    """Loads of an energy found from Boussinesq's kernel by numbers."""
+    """Loads by the elastic energy of a bonded disc, without a closed law."""
     work = 80e-6
     stage = np.append(0.3, np.linspace(0.3, JKR.pull_off(**PAD, work_of_adhesion=work) * 0.99, 40))
     xi, load, radius = Sphere(10.0, 0.04).cycle(stage, work)
