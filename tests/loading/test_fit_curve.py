@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad import Estimate
+from fingerpad import Ellipsoid, Estimate, Placement, Tissue, hertz_contact
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import LoadingCurve, LoadingFit, find_cycles, fit_loading_curve, hysteresis
@@ -296,3 +296,22 @@ def test_a_way_out_that_ends_early_loses_no_energy() -> None:
 def test_what_is_given_in_another_unit_is_refused_with_the_way_out(given, words) -> None:
     with pytest.raises(LoadingError, match=words):
         fit_loading_curve(CURVE, **given)
+
+
+@pytest.mark.parametrize(("axes", "wedge_angle"), [((7.5, 14.0, 9.0), 0.5), ((6.0, 16.0, 11.0), 0.2)])
+def test_with_the_shape_of_the_pad_moduli_are_those_of_its_ellipse(axes, wedge_angle) -> None:
+    placement = Placement(Ellipsoid(*axes), wedge_angle=wedge_angle)
+    contact = hertz_contact(placement, Tissue(0.06, 0.5), load=np.linspace(1e-3, 2, 100))
+    before = np.zeros(40)
+    curve = LoadingCurve(
+        load=np.r_[before, contact.load] + np.random.default_rng(2).normal(0, 1e-3, 140),
+        indentation=np.r_[np.linspace(-0.5, 0, 40), contact.indentation],
+        area=np.r_[before, contact.area],
+    )
+    ellipse, sphere = (fit_loading_curve(curve, placement=one, **DEEP) for one in (placement, None))
+    assert_allclose(ellipse.youngs_modulus.value, 0.06, rtol=2e-3)
+    for name in ("youngs_modulus", "reduced_modulus", "initial_modulus"):
+        ratio = getattr(ellipse, name).value / getattr(sphere, name).value
+        assert_allclose(ratio, ellipse.shape_factor, rtol=1e-12)
+    assert ellipse.shape_factor < 0.997 < sphere.shape_factor == 1
+    assert_allclose(ellipse.secant.modulus[-20:], 0.06, rtol=0.01)

@@ -8,6 +8,8 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
+from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.elliptic import factor_products, solve_contact_ellipse
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.contact_point import ESTIMATORS
@@ -29,6 +31,7 @@ from fingerpad.loading.joint import (
     determined,
     fixed_quantities,
     known_quantities,
+    one_pad,
     prepare,
     start_values,
 )
@@ -36,7 +39,7 @@ from fingerpad.loading.law_fit import fit_adhesion, fit_law, fits_under
 from fingerpad.loading.law_registry import ContactLaw, find_law
 from fingerpad.loading.laws import MAIN, secant_modulus
 from fingerpad.loading.least_squares import fit_least_squares
-from fingerpad.loading.result import LawUncertainty, LoadingFit, load_gradient
+from fingerpad.loading.result import MODULI, LawUncertainty, LoadingFit, load_gradient
 from fingerpad.loading.rivals import (
     DECISIVE,
     FAILURES,
@@ -79,6 +82,7 @@ def fit_loading_curve(
     curve: LoadingCurve,
     *,
     poisson_ratio: float = 0.5,
+    placement: AnyPlacement | None = None,
     loading_radius: float | Estimate | None = None,
     cycle: int = 0,
     contact_point: str = "joint",
@@ -103,6 +107,9 @@ def fit_loading_curve(
         The record.
     poisson_ratio : float
         ν of the pad.
+    placement : Placement or Paraboloid, optional
+        Where the pad touches a flat plate, or its two radii of curvature there. All moduli are then those of
+        its elliptical contact, F1 F2 ≤ 1 times those of a sphere with the same area at each indentation.
     loading_radius : float or Estimate, optional
         R_g (mm) from elsewhere, used as it is and with its uncertainty; needed where there is no area.
     cycle : int
@@ -162,6 +169,7 @@ def fit_loading_curve(
     check_std("load_relative_std", load_relative_std)
     check_std("poisson_ratio_std", poisson_ratio_std)
     chosen = None if law is None else find_law(law)
+    shape_factor = 1.0 if placement is None else _shape_factor(placement)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
         known_parts = known_quantities(
             curve,
@@ -185,6 +193,8 @@ def fit_loading_curve(
             ("initial_modulus", math.hypot(load_relative_std, of_poisson_ratio)),
         ):
             found[name] = found[name].over(Estimate.symmetric(1.0, std))
+        for name in MODULI:
+            found[name], added[name] = found[name].times(shape_factor), added[name] * shape_factor
         of_force = _force_doubts(
             models, relaxes=_relaxation_note(curve, press, cycle, compared, found["load_exponent"])
         )
@@ -209,6 +219,7 @@ def fit_loading_curve(
         return LoadingFit(
             **found,
             misfit_std=added,
+            shape_factor=shape_factor,
             modulus_load=main.top_load,
             fit_load_range=limits,
             cycles=press.cycles,
@@ -262,6 +273,13 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"poisson_ratio must be above -1 and at most 0.5, found {poisson_ratio}")
     if contact_point != "joint" and contact_point not in ESTIMATORS:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
+
+
+def _shape_factor(placement: AnyPlacement) -> float:
+    """Return F1 F2 of the contact ellipse: E* from W, ξ and R = A/(πξ) over what a sphere makes of them."""
+    gap = one_pad(placement)
+    axis_ratio, *_ = solve_contact_ellipse(gap.first_radius, gap.second_radius)
+    return float(factor_products(axis_ratio)[1])
 
 
 def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:

@@ -17,8 +17,11 @@ from scipy import linalg
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
+from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
+from fingerpad.geometry.gap import Gap
 from fingerpad.loading.contact_point import BOTH_REVERSED, both_reversed, contact_rise, fit_contact_start
 from fingerpad.loading.curve import (
     Cycle,
@@ -614,6 +617,17 @@ def check_std(name: str, std: float) -> None:
     """Raise LoadingError for a standard uncertainty that is none."""
     if not 0 <= std < math.inf:
         raise LoadingError(f"{name} must be finite and not negative, found {std}")
+
+
+def one_pad(placement: AnyPlacement) -> Gap:
+    """Return the gap between one pad and a flat plate; raise LoadingError for several, or one not convex."""
+    if placement.shape:
+        raise LoadingError(f"a curve is that of one pad, found placements of shape {placement.shape}")
+    gap = plate_gap(placement)
+    first, second = float(gap.first_radius), float(gap.second_radius)
+    if not (first > 0 and second > 0 and math.isfinite(first + second)):
+        raise LoadingError(f"the radii of curvature must be positive, found {first} and {second} mm")
+    return gap
 
 
 def _require_contact(record: FitData) -> None:

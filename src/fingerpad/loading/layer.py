@@ -11,7 +11,6 @@ import numpy as np
 from fingerpad._display import Recorded
 from fingerpad._json import plain
 from fingerpad.contact.contact import AnyPlacement
-from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
 from fingerpad.flags import flags_in
@@ -27,6 +26,7 @@ from fingerpad.loading.joint import (
     find_noise,
     fit_joint,
     known_quantities,
+    one_pad,
     prepare,
     start_values,
 )
@@ -384,12 +384,8 @@ def _geometry(
     placement: AnyPlacement, radius_std: float, radius_ratio_std: float
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return what the geometry fixes, and its radius where that is uncertain."""
-    if placement.shape:
-        raise LoadingError(f"a curve is that of one pad, found placements of shape {placement.shape}")
-    gap = plate_gap(placement)
+    gap = one_pad(placement)
     first, second = float(gap.first_radius), float(gap.second_radius)
-    if not (first > 0 and second > 0 and math.isfinite(first + second)):
-        raise LoadingError(f"the radii of curvature must be positive, found {first} and {second} mm")
     for name, std in (("radius_std", radius_std), ("radius_ratio_std", radius_ratio_std)):
         check_std(name, std)
     radius = 2 / (1 / first + 1 / second)

@@ -23,7 +23,7 @@ from fingerpad.loading.least_squares import differences
 from fingerpad.loading.rivals import EXPLANATIONS, NORMAL, akaike_weights, mixture_point
 from fingerpad.units import KPA_PER_MPA
 
-_MODULI: Final = ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient")
+MODULI: Final = ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient")
 # Nearer to contact than this share of the depth a row's secant modulus says nothing.
 _FOOT: Final = 0.05
 # Units of a law's parameters as they are printed and stored.
@@ -215,6 +215,8 @@ class LoadingFit(Recorded):
         Share of the force's residuals under load that noise does not explain, where there is no area.
     misfit_std : mapping of str to float
         What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
+    shape_factor : float
+        F1 F2 of the contact ellipse, which is in all moduli; 1 where the pad's shape was not given.
     rows : FitData
         What was fitted.
     notes : mapping of str to str
@@ -245,6 +247,7 @@ class LoadingFit(Recorded):
     uncertainty: Mapping[str, LawUncertainty]
     unexplained: float
     misfit_std: Mapping[str, float]
+    shape_factor: float
     rows: FitData
     notes: Mapping[str, str]
     flags: tuple[str, ...]
@@ -279,7 +282,7 @@ class LoadingFit(Recorded):
         load, depth = self.load[used], depth[used]
         radius = main.values["loading_radius"]
         modulus = secant_modulus(load, depth, loading_radius=radius, poisson_ratio=main.poisson_ratio)
-        return Secant(load=load, indentation=depth, modulus=modulus)
+        return Secant(load=load, indentation=depth, modulus=self.shape_factor * modulus)
 
     def predict(self, indentation: ArrayLike) -> Estimate:
         """Return the load W (N) at indentations ξ (mm), with its uncertainty and 95 % interval.
@@ -326,9 +329,9 @@ class LoadingFit(Recorded):
             raise LoadingError(
                 f"the constraint coefficient must be positive, found {coefficient.value} ± {coefficient.std}"
             )
-        divided: dict[str, Any] = {name: getattr(self, name).over(coefficient) for name in _MODULI}
+        divided: dict[str, Any] = {name: getattr(self, name).over(coefficient) for name in MODULI}
         misfit = {
-            name: std / (coefficient.value if name in _MODULI else 1.0)
+            name: std / (coefficient.value if name in MODULI else 1.0)
             for name, std in self.misfit_std.items()
         }
         return replace(self, **divided, misfit_std=misfit, flags=(*self.flags, "constraint_assumed"))
@@ -369,7 +372,7 @@ class LoadingFit(Recorded):
             found = getattr(self, name)
             ending = unit.replace("kPa", "kpa").replace("/", "_per_")
             key = f"{name}_{ending}" if unit else name
-            yield key, words, found.times(KPA_PER_MPA) if name in _MODULI else found, unit
+            yield key, words, found.times(KPA_PER_MPA) if name in MODULI else found, unit
 
     def summary(self) -> str:
         """Return the `report`."""
@@ -394,7 +397,9 @@ class LoadingFit(Recorded):
         main = self.main
         low, high = self.fit_load_range
         presses = f", one of {len(self.cycles)} presses" if len(self.cycles) > 1 else ""
-        yield f"{self._title}: W = 4/3 √R_g ξ^(3/2) (E_0g + β W)/(1 − ν²), ν = {main.poisson_ratio:g}"
+        ellipse = f"/{self.shape_factor:.3f}" if self.shape_factor < 1 else ""
+        law = f"W = 4/3 √R_g ξ^(3/2) (E_0g + β W)/(1 − ν²){ellipse}"
+        yield f"{self._title}: {law}, ν = {main.poisson_ratio:g}"
         yield f"  {self.load.size} rows, loads from {low:.3g} to {high:.3g} N{presses}"
         yield f"  {self._answer()}"
         yield ""

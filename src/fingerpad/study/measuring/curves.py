@@ -238,6 +238,9 @@ def curve_result(
         fit = loading.fit_loading_curve(
             data,
             poisson_ratio=poisson_ratio,
+            placement=None
+            if pad is None
+            else Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg)),
             loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
             cycle=curve.cycle,
             contact_point=curve.contact_point,
