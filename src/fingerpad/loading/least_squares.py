@@ -247,6 +247,7 @@ def _require_determined(fit: LeastSquaresFit) -> None:
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a power law far from where it was fitted
 def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
     """Return where the profile of a parameter, as a signed root, reaches the 95 % point of Student's t."""
     target = float(special.stdtrit(fit.degrees_of_freedom, 0.975))
@@ -285,6 +286,8 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
     for _ in range(25):
         if abs(far[1] - target) < 0.002 * target:
             break
+        if far[0] == near[0]:  # the others' minimum is not found from one place to the next
+            return math.copysign(math.inf, step)
         rise = (far[1] - near[1]) / (far[0] - near[0])
         ahead = far[0] + (target - far[1]) / rise if rise > 0 else 2 * far[0]
         ahead = min(max(ahead, 0.3 * far[0]), 3 * far[0])
