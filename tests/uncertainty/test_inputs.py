@@ -1,12 +1,22 @@
-"""Named inputs and outputs: values, correlations and covariances reach the names that they are given for."""
+"""Named inputs, their covariances and outputs, and what is refused."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.uncertainty.pads import ELLIPSE, LENGTHS, PAD
 
+import fingerpad as fp
 from fingerpad import Estimate
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import Inputs, SharedErrors, placement_model, propagate, run_monte_carlo
+from fingerpad.uncertainty import (
+    Inputs,
+    SharedErrors,
+    covariance_of,
+    covariance_root,
+    placement_model,
+    propagate,
+    run_monte_carlo,
+)
 
 
 def test_numbers_are_exact_pairs_uncertain() -> None:
@@ -97,3 +107,100 @@ def test_an_estimate_is_its_value_and_uncertainty() -> None:
     assert_allclose(fitted.std, [1.5, 0.0])
     with pytest.raises(UncertaintyError, match="thickness is not known: no area was recorded"):
         Inputs.of(thickness=Estimate.unknown("no area was recorded"))
+
+
+@pytest.mark.parametrize(
+    "covariance",
+    [
+        np.diag([4.0, 0.0, 1e-12]),
+        np.ones((2, 2)),  # one input seen twice
+        np.array([[1e-12, 1e-3 * 1e-6], [1e-3 * 1e-6, 1e6]]),
+        np.zeros((3, 3)),
+    ],
+)
+def test_root_squared_is_matrix(covariance: np.ndarray) -> None:
+    factor = covariance_root(covariance_of(covariance))
+    assert_allclose(factor @ factor.T, covariance, rtol=1e-9, atol=1e-20)
+
+
+@pytest.mark.parametrize(
+    ("covariance", "message"),
+    [
+        ([1.0, 2.0], "must be square, found the shape"),
+        ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "must be square"),
+        ([[1.0, np.nan], [np.nan, 1.0]], "covariance must be finite, found nan at index 0, 1"),
+        ([[1.0, 0.0], [0.0, -0.1]], "variance must be positive or zero, found -0.1 at index 1"),
+        ([[1.0, 0.5], [0.4, 1.0]], "covariance must be symmetric, found 0.5 at index 0, 1"),
+        ([[1.0, 1.5], [1.5, 1.0]], r"correlation must be within \[-1, 1\], found 1.5"),
+        ([[0.0, 0.1], [0.1, 1.0]], r"correlation must be within \[-1, 1\], found inf"),
+        (
+            [[1.0, 0.9, -0.9], [0.9, 1.0, 0.9], [-0.9, 0.9, 1.0]],
+            "smallest eigenvalue of the correlations must be positive or zero",
+        ),
+    ],
+)
+def test_invalid_arguments(covariance: list[list[float]], message: str) -> None:
+    with pytest.raises(UncertaintyError, match=message):
+        covariance_of(covariance)
+
+
+@pytest.mark.parametrize("below", [1e-7, 1e-3])
+def test_negative_eigenvalue_refused(below: float) -> None:
+    # Three equal correlations r have the smallest eigenvalue 1 + 2 r.
+    correlation = (1.5 + below / 2) * np.eye(3) - (0.5 + below / 2)
+    with pytest.raises(UncertaintyError, match="smallest eigenvalue"):
+        covariance_of(correlation)
+
+
+def test_rounding_below_zero_accepted() -> None:
+    correlation = (1.5 + 5e-11) * np.eye(3) - (0.5 + 5e-11)
+    assert np.linalg.eigvalsh(correlation)[0] < -5e-11
+    for scale in (1.0, 1e-12, 1e12):
+        assert covariance_of(scale * correlation).shape == (3, 3)
+
+
+def test_root_of_nonfinite_matrix_is_nan() -> None:
+    roots = covariance_root(np.stack([np.eye(2), np.diag([1.0, np.inf]), np.full((2, 2), np.nan)]))
+    assert_allclose(roots[0], np.eye(2))
+    assert np.isnan(roots[1:]).all()
+
+
+DEGREES = ".*for degrees use np.radians\\(30\\)"
+CONTRADICTION = {("palmar", "distal"): 0.9, ("distal", "radial_ulnar"): 0.9, ("palmar", "radial_ulnar"): -0.9}
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"wedge_angle": (5, 0.1)}, "wedge_angle must be between 0 and π/2" + DEGREES),
+        ({"wedge_angle": ([0.5, 30], 0.01)}, "found 30 at index 1"),
+        ({"wedge_angle": (0.5, 3)}, "standard uncertainty of wedge_angle must be at most π/2" + DEGREES),
+        ({"roll_angle": (-10, 0.1)}, "roll_angle must be between -π/2 and π/2" + DEGREES),
+        ({"roll_angle": (0, 3)}, "standard uncertainty of roll_angle" + DEGREES),
+        ({"palmar": -7.9}, "palmar must be positive, found -7.9"),
+        ({"semi_minor": ([5, 0], 0.1)}, "semi_minor must be positive, found 0 at index 1"),
+        ({"load": -2}, "load must be positive or zero, found -2"),
+        ({"image_scale": 0}, "image_scale must be positive"),
+        ({"poisson_ratio": (3, 0.1)}, r"poisson_ratio must be within \[-1, 0.5\], found 3"),
+        ({"load": (2.0, -0.1)}, "standard uncertainty of load must be positive or zero, found -0.1"),
+        ({"load": (2.0, np.nan)}, "covariance must be finite"),
+        ({"wedge": 0.5}, "no quantity 'wedge'; there are palmar, distal, .*semi_minor, thickness"),
+        ({"contact_radius": 6.0}, "no quantity 'contact_radius'"),
+        ({"correlations": {("palmar", "distl"): 0.9}}, "no input 'distl'; there are palmar, distal,"),
+        ({"correlations": CONTRADICTION}, "smallest eigenvalue"),
+    ],
+)
+def test_impossible_quantities_are_refused(given: dict[str, object], words: str) -> None:
+    with pytest.raises(fp.FingerpadError, match=words):
+        fp.pad_uncertainty(**PAD | given)
+
+
+def test_a_missing_quantity_is_named() -> None:
+    with pytest.raises(fp.FingerpadError, match="give wedge_angle too, each as a number or"):
+        fp.pad_uncertainty(**LENGTHS, **ELLIPSE)
+
+
+def test_flat_and_upright_are_accepted() -> None:
+    for wedge in (0.0, np.pi / 2):
+        result = fp.pad_uncertainty(**PAD | {"wedge_angle": (wedge, 0.05)})
+        assert np.isfinite(result["radius_from_indentation"].value)

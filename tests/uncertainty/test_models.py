@@ -51,26 +51,6 @@ def test_hertzian_pad_round_trip(wedge: float, roll: float, load: float, modulus
     )
 
 
-def test_published_values_at_2_N() -> None:
-    # Hertz values from the printed areas and R_g, ν = 0.5: the spheres of radius R_g as pads.
-    for radius, area, depth, modulus, pressure in (
-        (20.5, 116.3, 1.806, 102.4, 17.2),
-        (14.5, 69.4, 1.523, 157.1, 28.8),
-    ):
-        circle = np.sqrt(area / np.pi)
-        found = seen(
-            axes=dict.fromkeys(AXES, radius), wedge_angle=0.5, load=2.0, semi_major=circle, semi_minor=circle
-        )
-        assert_allclose(found.indentation, depth, atol=6e-4)
-        assert_allclose(1e3 * found.youngs_modulus, modulus, atol=0.06)
-        assert_allclose(1e3 * found.mean_pressure, pressure, atol=0.06)
-
-
-def test_predicted_long_axis_of_published_pad() -> None:
-    found = seen(wedge_angle=np.radians([30, 45]), load=2.0, semi_major=7.4, semi_minor=5.0)
-    assert_allclose(found.predicted_elongation, -np.log([1.0696, 1.2991]), atol=1e-4)
-
-
 def test_order_of_observed_axes() -> None:
     straight, swapped = (
         seen(wedge_angle=0.5, load=2.0, semi_major=a, semi_minor=b) for a, b in ((7.4, 5.0), (5.0, 7.4))

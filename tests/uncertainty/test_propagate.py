@@ -86,18 +86,6 @@ def test_elongation_alone_keeps_area() -> None:
     assert_allclose(elongation, 0.02)
 
 
-def test_upright_finger_second_order_in_wedge_angle() -> None:
-    given = {
-        **EXACT,
-        "wedge_angle": (np.radians(0), np.radians(2)),
-        "roll_angle": (np.radians(0), np.radians(2)),
-    }
-    wedge, roll = np.random.default_rng(4).normal(0, np.radians(2), (2, 100_000))
-    contact = observed(**{**EXACT, "wedge_angle": wedge, "roll_angle": roll})
-    found = pad_uncertainty(**given)["mean_curvature_radius"].std
-    assert_allclose(found, contact["mean_curvature_radius"].std(), rtol=0.03)
-
-
 @pytest.mark.parametrize(
     "quantities",
     [

@@ -1,4 +1,6 @@
-"""Scatter of repeats: closed forms, limits, and coverage of studies whose truth is known."""
+"""Scatter of repeats, of operators and of a model: closed forms, limits, and coverage of known truth."""
+
+import math
 
 import numpy as np
 import pytest
@@ -7,7 +9,9 @@ from numpy.testing import assert_allclose
 from scipy import stats
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import nested_scatter
+from fingerpad.uncertainty import agreement, nested_scatter
+from fingerpad.uncertainty.discrepancy import model_discrepancy
+from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads
 
 RNG = np.random.default_rng(7)
 BALANCED = RNG.normal(0, 0.1, (4, 3, 2, 5)).cumsum(axis=0)  # persons, fingers, sessions, repeats
@@ -36,15 +40,6 @@ def test_the_interval_of_repeats_is_exact() -> None:
     repeat = nested_scatter(BALANCED.ravel(), LEVELS).components["repeat"]
     assert_allclose(repeat.interval, repeat.std * np.sqrt(96 / stats.chi2.ppf([0.975, 0.025], 96)), rtol=1e-9)
     assert_allclose(repeat.limit_of_agreement, 1.96 * np.sqrt(2) * repeat.std, rtol=1e-4)
-
-
-def test_unequal_groups() -> None:
-    rng = np.random.default_rng(10)
-    groups = np.repeat(np.arange(400), rng.integers(1, 5, 400))
-    values = 12 + 1.5 * rng.normal(size=400)[groups] + 0.5 * rng.normal(size=groups.size)
-    found = nested_scatter(values, {"load": groups}).components
-    assert_allclose(found["repeat"].std, 0.5, rtol=0.06)
-    assert_allclose(found["load"].std, 1.5, rtol=0.08)
 
 
 def test_fewer_degrees_of_freedom_are_enough_if_asked_for() -> None:
@@ -124,3 +119,83 @@ def test_only_groups_of_two_and_more_are_counted() -> None:
     fingers = [0, 0, 0, 1, 1, 2, 3]
     repeat = nested_scatter(RNG.normal(size=7), {"finger": fingers}).components["repeat"]
     assert (repeat.groups, repeat.count, repeat.freedom) == (2, 5, 3)
+
+
+@pytest.mark.parametrize(
+    ("loads", "expected"),
+    [
+        ([2.0, 0.5, 1.0], [2, 0, 1]),
+        ([0.95, 1.0, 1.05], [0, 0, 0]),
+        ([1.0, 1.06], [0, 0]),
+        ([1.0, 1.12], [0, 1]),
+        ([1.0, 1.04, 1.08, 1.12, 1.16], [0, 1, 2, 3, 4]),  # a ramp
+        ([1.0, 1.04, 1.08, 1.12, 1.04, 5.0, 5.1], [0, 1, 2, 3, 1, 4, 4]),
+        ([], []),
+    ],
+)
+def test_nominal_loads(loads: list[float], expected: list[int]) -> None:
+    assert nominal_loads(loads).tolist() == expected
+
+
+def test_noise_is_not_counted_twice() -> None:
+    """What repeats scatter by beyond their noise is theirs; noise alone makes no repeatability."""
+    rng, group = np.random.default_rng(3), np.repeat(np.arange(300), 4)
+    noise = np.diag([0.02**2, 0.04**2])
+    axes = rng.normal(0, (0.02, 0.04), (1200, 2))
+    more = axes + rng.normal(0, (0.03, 0.01), (1200, 2))
+    alone, both = (ContactRepeatability.of(of, [noise] * 1200, group) for of in (axes, more))
+    assert both.area_std == pytest.approx(0.06, rel=0.1)
+    assert alone.area_std < 0.02
+    assert (both.freedom, both.groups, both.count) == (900, 300, 1200)
+
+
+def test_against_sums_by_hand() -> None:
+    """Differences of −0.02, 0, 0.02 and 0.04: mean 0.01, standard deviation √(0.002/3)."""
+    found = agreement(np.ones(4), np.exp([-0.02, 0.0, 0.02, 0.04]))
+    std = math.sqrt(0.002 / 3)
+    assert found.std == pytest.approx(std)
+    assert found.bias == pytest.approx(math.expm1(0.01))
+    assert found.bias_interval[1] == pytest.approx(math.expm1(0.01 + 3.182446 * std / 2))
+    far = stats.nct.ppf(0.975, 3, 1.959964 * 2) * std / 2  # of an end, by the noncentral t distribution
+    assert found.limits_interval == pytest.approx((math.expm1(0.01 - far), math.expm1(0.01 + far)), rel=1e-5)
+    assert found.limits == pytest.approx(
+        (math.expm1(0.01 - 1.959964 * std), math.expm1(0.01 + 1.959964 * std))
+    )
+
+
+def test_too_few_pairs_say_so() -> None:
+    found = agreement([1.0, 1.0], [1.1, 1.3])
+    assert found.bias == pytest.approx(math.sqrt(1.1 * 1.3) - 1)
+    assert math.isnan(found.std)
+    assert math.isnan(found.limits[0])
+    assert math.isnan(agreement([], []).bias)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "words"),
+    [([1, 2], [1], "pairs"), ([1, 0], [1, 1], "first must be positive"), ([1.0], [math.inf], "second")],
+)
+def test_bad_values(first: list, second: list, words: str) -> None:
+    with pytest.raises(UncertaintyError, match=words):
+        agreement(first, second)
+
+
+def test_the_discrepancy_makes_differences_as_large_as_expected() -> None:
+    ratios, stds = np.array([0.5, 0.42, 0.1, 0.61]), np.array([0.05, 0.2, 0.1, 0.3])
+    found = model_discrepancy(ratios, stds)
+    assert np.sum(ratios**2 / (stds**2 + found.between_std**2)) == pytest.approx(4)
+    assert found.relative_std == pytest.approx(math.expm1(found.between_std / math.sqrt(2)))
+    assert found.count == 4
+
+
+def test_there_is_no_discrepancy_where_uncertainties_explain_the_differences() -> None:
+    assert model_discrepancy([0.1, -0.1], [0.2, 0.2]).relative_std == 0.0
+    assert model_discrepancy([0.0], [0.0]).relative_std == 0.0
+
+
+@pytest.mark.parametrize(
+    ("ratios", "stds"), [([], []), ([0.1], [0.1, 0.1]), ([math.nan], [0.1]), ([0.1], [-0.1])]
+)
+def test_pairs_that_say_nothing_are_refused(ratios: list[float], stds: list[float]) -> None:
+    with pytest.raises(UncertaintyError):
+        model_discrepancy(ratios, stds)
