@@ -75,26 +75,6 @@ def test_own_law_is_fitted_and_preferred() -> None:
     assert fit.law.flags == ()
 
 
-def test_our_own_law_by_the_hook() -> None:
-    curve = simulate_loading_curve(points=100, force_std=0.005, area_std=0.5, load_coefficient=0.0, seed=2)
-    fit = fp.fit_loading_curve(curve, law="hertz")
-
-    @contact_law(**MODULUS)
-    def copied(indentation, *, loading_radius, poisson_ratio, youngs_modulus):
-        modulus = youngs_modulus / (1 - poisson_ratio**2)
-        return 4 / 3 * modulus * np.sqrt(loading_radius) * indentation**1.5
-
-    own = fp.fit_loading_curve(curve, law="copied")
-    assert fit.law is not None
-    assert own.law is not None
-    ours, theirs = (each.parameters["youngs_modulus"] for each in (fit.law, own.law))
-    assert_allclose(theirs.value, ours.value, rtol=1e-6)
-    assert_allclose(theirs.std, ours.std, rtol=1e-3)
-    assert_allclose(own.law.aicc["copied"], fit.models["hertz"].aicc, rtol=1e-6)
-    # The quantities of our model do not depend on the law that is fitted beside it.
-    assert own.youngs_modulus == fit.youngs_modulus
-
-
 def test_without_a_radius_nothing_but_the_place_is_known() -> None:
     law = stiffening()
     curve = record(law, youngs_modulus=0.04, stiffening=2.0)

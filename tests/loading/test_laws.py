@@ -54,24 +54,6 @@ def test_indentation_and_load_invert() -> None:
     assert 50 < beyond < np.inf
 
 
-def test_secant_modulus_grows_linearly() -> None:
-    load = np.array([0.5, 1.0, 2.0])
-    secant = secant_modulus(load, indentation_under(load, **PAD), loading_radius=14.5)
-    assert_allclose(secant, 0.04 + 0.02 * load, rtol=1e-12)
-
-
-def test_area_exponent_falls_as_the_modulus_grows() -> None:
-    xi = np.geomspace(0.01, 3, 30)
-    step = 1e-5
-    steps = [xi * np.exp(way * step) for way in (1, -1)]
-    law = AppliedLaw(law="load_dependent", values=PAD, poisson_ratio=0.5)
-    area = [law.area_at(at) for at in steps]
-    load = [load_dependent(at, **PAD, poisson_ratio=0.5) for at in steps]
-    slope = np.log(area[0] / area[1]) / np.log(load[0] / load[1])
-    at = load_dependent(xi, **PAD, poisson_ratio=0.5)
-    assert_allclose(slope, 2 / 3 * 0.04 / (0.04 + 0.02 * at), rtol=1e-7)
-
-
 @pytest.mark.parametrize("law", [hertz, load_dependent, LAWS["exact_sphere"], LAWS["free_exponent"]])
 def test_slopes_that_laws_state_are_those_of_their_loads(law) -> None:
     given = {"youngs_modulus": 0.05, "load_exponent": 2.6, **PAD}

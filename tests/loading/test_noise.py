@@ -76,16 +76,6 @@ def test_slow_drift_equals_dense_matrix(drift: Drift) -> None:
     assert_allclose(volume, np.linalg.slogdet(whole)[1] / 2, rtol=1e-9)
 
 
-def test_long_range_drift_has_the_spectrum_of_one_over_f() -> None:
-    """Its correlation written out, in a periodic record longer than any of its times."""
-    drift = Drift.of("long_range", 1.0, 1.0, np.ones(1000))
-    lags = np.minimum(np.arange(2**17), 2**17 - np.arange(2**17))
-    correlation = sum(s**2 * np.exp(-lags / t) for s, t in zip(drift.stds, drift.times, strict=True))
-    frequency = np.geomspace(2e-3, 0.05, 9)
-    power = np.fft.rfft(correlation).real[(frequency * 2**17).astype(int)]
-    assert_allclose(power * frequency / np.mean(power * frequency), 1, atol=0.15)
-
-
 @pytest.mark.parametrize("drift_std", [0.0, 0.006])
 def test_covariance_equals_dense_sandwich(drift_std: float) -> None:
     covariance, seen = written_out(drift_std), noise(drift_std)
@@ -150,18 +140,6 @@ def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() 
     assert noise_uncertainty(plain, residuals, jacobians).names == white
 
 
-def test_rounding_does_not_decide_the_noise() -> None:
-    start, (force, area), jacobians = white_record(1)
-    rng = np.random.default_rng(2)
-    force = force + np.repeat(rng.normal(0, 0.02, 10), 20)
-    found = []
-    for _ in range(5):
-        rounded = [one * (1 + 1e-13 * rng.standard_normal(one.size)) for one in (force, area)]
-        noise = estimate_noise(start, (rounded[0], rounded[1]), jacobians)
-        found.append([getattr(noise, name) for name in ("force_std", "displacement_std", "drift_std")])
-    assert_allclose(found, [found[0]] * 5, rtol=1e-5)
-
-
 def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
     """A random walk that 1/f noise fits as well, whose slow part is a tenth: it would be understated."""
     start, (force, area), jacobians = white_record(11)
@@ -193,3 +171,13 @@ def test_of_one_deviation_the_degrees_of_freedom_are_those_of_its_chi_square() -
     moved = known.moved_covariances(white, jacobians)
     for gradient in np.eye(2):
         assert_allclose(known.degrees_of_freedom(moved, gradient), 17)
+
+
+def test_long_range_drift_has_the_spectrum_of_one_over_f() -> None:
+    """Its correlation written out, in a periodic record longer than any of its times."""
+    drift = Drift.of("long_range", 1.0, 1.0, np.ones(1000))
+    lags = np.minimum(np.arange(2**17), 2**17 - np.arange(2**17))
+    correlation = sum(s**2 * np.exp(-lags / t) for s, t in zip(drift.stds, drift.times, strict=True))
+    frequency = np.geomspace(2e-3, 0.05, 9)
+    power = np.fft.rfft(correlation).real[(frequency * 2**17).astype(int)]
+    assert_allclose(power * frequency / np.mean(power * frequency), 1, atol=0.15)

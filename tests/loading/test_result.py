@@ -8,7 +8,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad import Estimate
-from fingerpad.figures import new_figure, plot_load_residuals
 from fingerpad.loading import LoadingFit, fit_loading_curve
 from fingerpad.loading.laws import load_dependent
 from fingerpad.simulate import simulate_loading_curve
@@ -103,21 +102,3 @@ def test_the_report_compares_explanations_with_the_criterion_that_weighs_them() 
     assert hertz < fit.main.aicc - 1  # one modulus explains this curve
     above = fit.alternatives["area_offset"].aicc - hertz
     assert re.search(rf"areas with an offset[^\n]* \+{above:.1f} ", text)
-
-
-def test_the_report_says_why_a_quantity_is_not_known() -> None:
-    curve = simulate_loading_curve(points=100, seed=1, with_area=False, force_std=0.005)
-    text = fit_loading_curve(curve).report()
-    (line,) = (line for line in text.splitlines() if "not known" in line and "Young's modulus" in line)
-    assert "no contact area in the curve" in line
-
-
-def test_residuals_are_drawn_with_the_other_explanations() -> None:
-    _, (axes,) = new_figure()
-    fit = fit_of()
-    plot_load_residuals(axes, fit)
-    measured = axes.lines[0].get_ydata()
-    assert np.std(measured) < 3 * 1000 * np.hypot(0.005, 0.005 * 3)
-    labels = " ".join(text.get_text() for text in axes.get_legend().get_texts())
-    weights = [of.weight for name, of in fit.uncertainty.items() if name != "load_dependent"]
-    assert all(f"({weight:.2f})" in labels for weight in weights if weight >= 0.01)

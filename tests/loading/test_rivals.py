@@ -79,19 +79,13 @@ def test_without_a_baseline_the_zero_of_the_force_is_in_the_uncertainty(name) ->
 def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
     late = fit_loading_curve(curve_of("area 100 ms late"))
     assert "area_offset" in late.flags
-    assert "ms late" in late.notes["area_offset"]
+    (milliseconds,) = re.findall(r"as of areas (\d+) ms late", late.notes["area_offset"])
+    assert 70 < int(milliseconds) < 130
     assert late.contact_offset.lower < 0.3 < late.contact_offset.upper
     given = fit_loading_curve(curve_of("area 100 ms late"), area_delay=0.1)
     assert "area_offset" not in given.flags
     assert given.contact_offset.lower < 0.3 < given.contact_offset.upper
     assert given.contact_offset.std < 0.6 * late.contact_offset.std
-
-
-def test_how_late_areas_are_is_said_for_any_speed() -> None:
-    curve = curve_of("area 100 ms late")
-    slow = fit_loading_curve(replace(curve, time=2 * curve.time))
-    (milliseconds,) = re.findall(r"as of areas (\d+) ms late", slow.notes["area_offset"])
-    assert 140 < int(milliseconds) < 260
 
 
 def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty() -> None:
@@ -117,15 +111,6 @@ def test_factors_agree_with_an_independent_solution(law, values, contact, tolera
     of_load, of_area = shape_factors(law, {"loading_radius": 15.0, **values}, xi, 0.5)
     assert of_load * 4 / 3 * PAD.reduced * np.sqrt(15) * xi**1.5 == pytest.approx(load, rel=tolerance)
     assert of_area * np.pi * 15 * xi == pytest.approx(area, rel=tolerance)
-
-
-def test_smoothed_areas_are_flagged() -> None:
-    curve = curve_of("Hertz, white noise")
-    assert curve.area is not None
-    noise = np.random.default_rng(5).normal(size=len(curve.area) + 20)
-    smooth = np.convolve(noise, np.ones(21) / 4.6, "valid")
-    ideal = curve.area - (curve.area - np.pi * 15 * np.maximum(curve.indentation - 0.3, 0))
-    assert "correlated_area" in fit_loading_curve(replace(curve, area=ideal + smooth)).flags
 
 
 def without_areas(name: str):
@@ -198,3 +183,12 @@ def test_exact_models_are_averaged() -> None:
     found = average_models([Estimate.symmetric(2.0, 0.0), Estimate.symmetric(4.0, 0.0)], [0.5, 0.5])
     assert (found.value, found.std) == (3.0, 1.0)
     assert (found.lower, found.upper) == pytest.approx((2.0, 4.0))
+
+
+def test_smoothed_areas_are_flagged() -> None:
+    curve = curve_of("Hertz, white noise")
+    assert curve.area is not None
+    noise = np.random.default_rng(5).normal(size=len(curve.area) + 20)
+    smooth = np.convolve(noise, np.ones(21) / 4.6, "valid")
+    ideal = curve.area - (curve.area - np.pi * 15 * np.maximum(curve.indentation - 0.3, 0))
+    assert "correlated_area" in fit_loading_curve(replace(curve, area=ideal + smooth)).flags
