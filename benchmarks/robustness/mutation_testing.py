@@ -33,7 +33,7 @@ ROOT: Final = Path(__file__).parents[2]
 EQUIVALENT: Final = Path(__file__).with_suffix(".toml")
 SECONDS: Final = 20
 RESULTS_TESTS: Final = (
-    "compare curves export layer methods operators outline_radius pipeline pooling repeats "
+    "compare curves export layer methods corrected outline_radius pipeline pooling repeats "
     "result_set rows table validity"
 )
 PACKAGES: Final = {

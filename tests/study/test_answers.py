@@ -98,15 +98,6 @@ def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path):
     assert validity.verdict == "not tested"  # an exponent alone tests no theory
 
 
-def test_repeats_count_without_semi_axes(tmp_path):
-    sizes = np.random.default_rng(1).normal(5, 0.2, 8)
-    repeats = [contact(f"c{number}", 2, (size, 4)) for number, size in enumerate(sizes)]
-    known = run(tmp_path / "with", finger(), *repeats).repeatability[False]
-    alone = run(tmp_path / "without", finger(std=0), *repeats).repeatability[False]
-    assert alone.freedom == 7
-    np.testing.assert_allclose(alone.covariance, known.covariance)
-
-
 def test_the_sentence_says_what_is_missing(tmp_path):
     steep = [contact(f"c{load}", load, (5 * load, 4 * load), std=0.01) for load in (0.5, 1, 2)]
     known = curve(loading_radius_mm=15, loading_radius_mm_std=1)

@@ -1,8 +1,6 @@
 """Measuring by the workers of a Dask scheduler: a real one, and worker processes that it reaches over TCP."""
 
 import os
-import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -10,39 +8,26 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from importlib import metadata
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from distributed import Client
 from tests import command
 from tests.study.crashing import crash
-from tests.study.small_study import FRAMES, PICTURES, copy
+from tests.study.small_study import FRAMES, PICTURES
 from tests.waiting import wait_until
 
-import fingerpad
 from fingerpad.exceptions import ClusterError
 from fingerpad.study.engine import cluster
 from fingerpad.study.engine.runner import Progress
-from fingerpad.study.engine.task import Limits, Task
+from fingerpad.study.engine.task import Limits, Task, working_code
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import Row, records
 
 TOTAL = PICTURES + 2 + FRAMES
-HERE = str(Path(__file__).parents[2])  # whence a worker imports what crashes
 CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
-# Loaded by a worker, for which a folder is not there then; to mount something over it takes more rights.
-_BLIND = """
-import os
-
-
-def stat(path, *arguments, see=os.stat, **options):
-    if str(path).startswith({folder!r}):
-        raise FileNotFoundError(2, "not there", path)
-    return see(path, *arguments, **options)
-
-
-os.stat = stat
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -65,11 +50,13 @@ class Scheduler:
             return len(client.nthreads())
 
 
-def start(*words: str, **environment: str) -> subprocess.Popen:
-    """Start a process of Dask, in a group of its own."""
+def start(*words: str) -> subprocess.Popen:
+    """Start a process of Dask, in a group of its own, which finds here what crashes."""
+    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+    quiet = {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore", "PYTHONPATH": path}
     return subprocess.Popen(
         [sys.executable, "-m", "dask", *words, "--no-dashboard"],
-        env=os.environ | {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore"} | environment,
+        env=os.environ | quiet,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
@@ -89,24 +76,14 @@ class Workers:
         self.address, self._folder = scheduler.address, folder
         self.started: list[subprocess.Popen] = []
 
-    def start(self, *words: str, path: str | None = None, blind_to: Path | None = None) -> None:
-        """Start a worker, with its own path of packages, or one for which a folder is not there."""
-        if blind_to is not None:
-            self._folder.mkdir(exist_ok=True)
-            preload = self._folder / "blind.py"
-            preload.write_text(_BLIND.format(folder=str(blind_to)))
-            words = (*words, "--preload", str(preload))
-        self.started.append(
-            start(
-                *("worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder)),
-                *words,
-                **({} if path is None else {"PYTHONPATH": path}),
-            )
-        )
+    def start(self, *words: str) -> None:
+        """Start a worker."""
+        home = ("worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder))
+        self.started.append(start(*home, *words))
 
-    def start_alone(self, *, path: str | None = None, blind_to: Path | None = None) -> None:
+    def start_alone(self) -> None:
         """Start a worker without a second process that starts it again when it ends."""
-        self.start("--no-nanny", path=path, blind_to=blind_to)
+        self.start("--no-nanny")
 
     def end(self) -> None:
         for process in self.started:
@@ -179,43 +156,27 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(unfinished, undisturbed,
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
-def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(small_study, tmp_path, workers):
-    manifest = copy(small_study, tmp_path / "study")
-    workers.start_alone(blind_to=manifest.parent)
-    named = rf"worker tcp://\S+ on {socket.gethostname()} does not see {manifest}: put .* or stop that worker"
-    assert re.search(named, refusal(manifest, tmp_path / "out", workers.address))
+def test_a_worker_of_another_version_or_that_does_not_see_the_study_is_refused(small_study, monkeypatch):
+    here = SimpleNamespace(run=lambda look, path: {"tcp://w:1": look(path)})
+    cluster._require_fit(here, small_study)
+    lost = small_study.with_name("lost.toml")
+    with pytest.raises(
+        ClusterError, match=rf"tcp://w:1 on {socket.gethostname()} does not see {lost}: put .*"
+    ):
+        cluster._require_fit(here, lost)
+    monkeypatch.setattr(metadata, "version", lambda _: "0.0.7")
+    with pytest.raises(ClusterError, match=r"worker tcp://w:1 has fingerpad 0\.0\.7, this is .*: install"):
+        cluster._require_fit(here, small_study)
 
 
-@pytest.mark.nightly
-def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
-    small_study, tmp_path, workers, scheduler
-):
-    manifest = copy(small_study, tmp_path / "study")
-    workers.start_alone(path=HERE)
-    with cluster.cluster_executor(manifest, 1, workers.address, Limits()) as executor:
-        workers.start_alone(path=HERE, blind_to=manifest.parent)
-        assert wait_until(lambda: scheduler.workers() == 2)
-        end(workers.started[0])
-        with pytest.raises(ClusterError, match=r"worker tcp://\S+ on \S+ does not see"):
-            executor.submit(CRASHING).result(60)
-
-
-def test_a_worker_of_another_version_is_refused_by_its_name(small_study, tmp_path, workers):
-    other = tmp_path / "other" / "fingerpad-0.0.7.dist-info"
-    other.mkdir(parents=True)
-    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: fingerpad\nVersion: 0.0.7\n")
-    workers.start_alone(path=str(other.parent))
-    with pytest.raises(ClusterError, match=r"worker tcp://\S+ has fingerpad 0\.0\.7, this is .*: install"):
-        run(small_study, tmp_path / "out", workers.address)
-
-
-def test_a_worker_of_other_code_is_refused_by_its_name(small_study, tmp_path, workers):
-    package = Path(shutil.copytree(Path(fingerpad.__file__).parent, tmp_path / "src" / "fingerpad"))
-    with (package / "image" / "scale.py").open("a") as file:
-        file.write("\n# changed\n")
-    workers.start_alone(path=str(package.parent))
-    with pytest.raises(ClusterError, match=r"worker tcp://\S+ has another fingerpad than this"):
-        run(small_study, tmp_path / "out", workers.address)
+def test_a_worker_that_comes_later_is_refused_with_its_task(small_study, monkeypatch):
+    monkeypatch.setattr("distributed.get_worker", lambda: SimpleNamespace(address="tcp://w:2"))
+    for manifest, code, words in (
+        (small_study, "other", r"worker tcp://w:2 has another fingerpad than this"),
+        (small_study.with_name("lost.toml"), working_code(), r"worker tcp://w:2 on \S+ does not see"),
+    ):
+        with pytest.raises(ClusterError, match=words):
+            cluster._perform_there(CRASHING, str(manifest), Limits(), code)
 
 
 @pytest.mark.nightly
@@ -236,23 +197,12 @@ def test_workers_that_are_all_dead_end_the_run_in_words(unfinished, undisturbed,
 
 
 def test_a_task_that_crashes_is_named_and_costs_no_worker(small_study, tmp_path, workers):
-    workers.start_alone(path=HERE)
+    workers.start_alone()
     with cluster.cluster_executor(small_study, 1, workers.address, Limits()) as executor:
         result = executor.submit(CRASHING).result(60)
         with Client(workers.address, set_as_default=False) as client:
             assert len(client.nthreads()) == 1
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
-
-
-@pytest.mark.nightly
-def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(small_study, workers):
-    workers.start_alone()
-    with Client(workers.address, set_as_default=False) as client:
-        executor = cluster.ClusterExecutor(client, small_study, Limits())
-        client.close()
-        assert executor.capacity == 2
-        with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
-            executor.submit(CRASHING)
 
 
 @pytest.mark.parametrize(

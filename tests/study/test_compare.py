@@ -63,29 +63,6 @@ def test_a_finger_under_two_names_counts_once(tmp_path):
     assert all(math.isnan(mean.between_fingers_std) for mean in found.means)
 
 
-@pytest.mark.nightly
-def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says():
-    # Eight people, three fingers each; people differ more than fingers do, fingers more than is measured.
-    random = np.random.default_rng(11)
-    truth, between, within, std = 14.0, 1.0, 0.5, 0.2
-    held, naive, scatter, fingers_scatter, count = 0, 0, [], [], 400
-    for _ in range(count):
-        people = truth + between * random.normal(size=8)
-        seen = people[:, None] + within * random.normal(size=(8, 3)) + std * random.normal(size=(8, 3))
-        values = [value(seen[p, f], std, person=f"P{p}", finger=f"f{f}") for p in range(8) for f in range(3)]
-        (mean,) = means_of(values)
-        assert (len(mean.people), mean.fingers) == (8, 24)
-        held += mean.interval[0] <= truth <= mean.interval[1]
-        half = 2.07 * seen.std(ddof=1) / math.sqrt(24)  # as if fingers were people
-        naive += abs(seen.mean() - truth) < half
-        scatter.append(mean.between_people_std**2)
-        fingers_scatter.append(mean.between_fingers_std**2)
-    assert 0.92 <= held / count <= 0.98
-    assert naive / count < 0.88  # what this is for
-    assert_allclose(np.mean(scatter), between**2, rtol=0.15)
-    assert_allclose(np.mean(fingers_scatter), within**2, rtol=0.15)
-
-
 def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm():
     moduli = [value(e, 0.1 * e, person=f"P{e}", quantity="youngs_modulus_kpa") for e in (20, 45, 130)]
     (mean,) = means_of(moduli)
@@ -97,17 +74,6 @@ def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm():
     (exponent,) = means_of(exponents)
     assert exponent.interval[0] < 0
     assert_allclose(sum(exponent.interval), 2 * exponent.value)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("people", "least"), [(4, 0.9), (15, 0.87)])
-def test_intervals_of_values_that_scatter_by_a_factor_hold_their_mean(people, least):
-    random, held, count = np.random.default_rng(3), 0, 150
-    for _ in range(count):
-        seen = 40 * np.exp(0.8 * random.normal(size=people))
-        (mean,) = means_of(value(e, 0.05 * e, person=f"P{n}") for n, e in enumerate(seen))
-        held += 0 < mean.interval[0] <= 40 * math.exp(0.32) <= mean.interval[1]
-    assert held / count >= least  # of intervals ± t 87 to 89 %, half of them below zero for four people
 
 
 @pytest.mark.nightly
@@ -273,7 +239,6 @@ def test_tables_hold_all_values_and_means(runs, tmp_path):
     write_comparison(found, tmp_path)
     rows = studies.rows_of(tmp_path / "compare.csv")
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
-    assert {row["person"] for row in rows} == {"P01", "P02", ""}
     assert {row["unit"] for row in rows} == {"mm", "mm²", "kPa", "1"}
     record = json.loads((tmp_path / "compare.json").read_text())
     assert len(record["values"]) == len(rows)
@@ -309,18 +274,6 @@ def test_areas_have_one_mean_at_each_load(runs):
     found = replace(compare_studies(runs), values=tuple(areas), means=tuple(means))
     (plot,) = forest_plot(found, "highest_area_mm2")
     assert list(plot.figure.panels[0].y.names)[-2:] == [f"mean over people at {load} N" for load in (1, 2)]
-
-
-def test_a_figure_of_very_many_fingers_shows_people(runs):
-    found = compare_studies(runs)
-    many = [
-        value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
-        for n in range(120)
-    ]
-    crowd = replace(found, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=())
-    (plot,) = forest_plot(crowd, "palmar_mm")
-    names = [f"P{n}, 30 fingers" for n in range(4)]
-    assert list(plot.figure.panels[0].y.names) == [*names, "mean over people"]
 
 
 def changed(run: Path, folder: Path, **keys: Any) -> Path:
@@ -380,9 +333,6 @@ def test_from_the_command_line(runs, tmp_path):
     assert f"Page: {tmp_path / 'out' / 'compare.html'}" in said
     compared = command.run_json("compare", *runs)["studies"]
     assert {study["study"] for study in compared} == {"Lab <b>A</b>", "Lab B", "Lab C"}
-    code, _, error = command.run("compare", runs[0], runs[0])
-    assert code == 2
-    assert error.startswith("fingerpad: ")
 
 
 def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):

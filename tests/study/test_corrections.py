@@ -2,11 +2,6 @@
 
 import json
 import multiprocessing
-import os
-import signal
-import subprocess
-import sys
-import time
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -271,55 +266,6 @@ def test_what_is_written_by_hand_has_no_checksum_and_counts(tmp_path, log):
     del content["checksum"]
     path.write_text(json.dumps(content) + "\n")
     assert log.active_correction("print_1").change.threshold == 11
-
-
-def test_any_flipped_bit_of_a_line_is_noticed(tmp_path, log):
-    for level in (10, 20):
-        said(log, "print_1", {"threshold": level, "strokes": [STROKE]})
-    path = tmp_path / CORRECTIONS_NAME
-    whole, active_correction = path.read_bytes(), log.active_correction("print_1")
-    for place in range(0, 8 * len(whole), 7):
-        flipped = bytearray(whole)
-        flipped[place // 8] ^= 1 << place % 8
-        path.write_bytes(flipped)
-        try:
-            found = CorrectionLog(tmp_path)
-        except StoreError:
-            continue
-        # A flipped end of line tears the last line, and a flipped checksum's name leaves none.
-        assert found.notes or found.active_correction("print_1") == active_correction
-
-
-KILLED = """
-import sys
-from pathlib import Path
-sys.path.insert(0, sys.argv[2])
-from test_corrections import CorrectionLog, said
-log = CorrectionLog(Path(sys.argv[1]))
-stroke = {"action": "add", "points_px": [[float(k), 1.5] for k in range(3000)], "radius_px": 5}
-for level in range(1, 10**6):
-    said(log, "print_1", {"threshold": level, "strokes": [stroke]})
-    print(level, flush=True)
-"""
-
-
-def test_what_was_confirmed_outlives_a_kill(tmp_path):
-    process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(tmp_path), os.path.dirname(__file__)],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    process.stdout.readline()
-    time.sleep(0.05)
-    process.send_signal(signal.SIGKILL)
-    confirmed = 1 + len(process.stdout.read().splitlines())
-    process.wait()
-    process.stdout.close()
-    said(CorrectionLog(tmp_path), "print_2", {"accepted": True})  # after a line that may be torn
-    levels = [record.change["threshold"] for record in CorrectionLog(tmp_path).history("print_1").records]
-    assert len(levels) >= confirmed
-    assert levels == list(range(1, len(levels) + 1))
-    assert CorrectionLog(tmp_path).active_correction("print_2").change.accepted
 
 
 def test_images_of_one_device_are_similar_and_take_its_settings():

@@ -71,18 +71,6 @@ def study(folder: Path, *curves: Table, **uncertainty: float) -> StudyResult:
     return studies.run(folder, *tables, uncertainty=UNCERTAINTY | uncertainty)
 
 
-def test_a_curve_without_areas_is_not_said_to_be_no_curve(tmp_path):
-    write_curve(tmp_path / "a.csv", area=False)
-    result = study(tmp_path, of_file())
-    advice = "; ".join(to_measure_better(result))
-    assert "record contact areas along the loading curve of f" in advice
-    assert "record a loading curve" not in advice
-    (validity,) = result.validities
-    notes = [check.note for check in validity.checks]
-    assert "the loading curves have no areas, so no radius" in notes
-    assert "no loading data of this finger at this angle" not in notes
-
-
 def test_a_curve_tells_radius_modulus_and_velocity(tmp_path):
     truth = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": 0.02, "rate": 3.0}
     write_curve(tmp_path / "a.csv", points=250, **truth)
@@ -115,16 +103,6 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path):
     path.write_text(text.replace("force_N", "Fz (N)"))
     reason = study(tmp_path, of_file()).curves[0].reason or ""
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
-
-
-def test_a_curve_in_other_units_and_full_widths_given_as_semi_axes_are_noted(tmp_path):
-    write_curve(tmp_path / "a.csv", area=False)
-    rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1000, 1]
-    write_numbers(tmp_path / "a.csv", "time_s,force_N,displacement_mm", rows)
-    wide = finger(semi_axes_mm={"palmar": 15, "distal": 28.4, "radial_ulnar": 23})
-    axes, units = run_study(write_study(tmp_path, of_file(), of=wide), tmp_path / "out").notes
-    assert "millinewtons" in units
-    assert axes.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
 
 
 def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path):
@@ -264,9 +242,14 @@ def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path)
 
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path):
     write_curve(tmp_path / "a.csv", area=False, loading_radius=15.0)
-    alone = study(tmp_path, of_file()).curves[0]
+    result = study(tmp_path, of_file())
+    (alone,), (validity,) = result.curves, result.validities
     assert not alone.fit.initial_modulus.known
     assert "no contact area" in alone.reason
+    advice = "; ".join(to_measure_better(result))
+    assert "record contact areas along the loading curve of f" in advice
+    assert "record a loading curve" not in advice
+    assert "the loading curves have no areas, so no radius" in {check.note for check in validity.checks}
     known = {"loading_radius_mm": 15, "loading_radius_mm_std": 1.5, "stage_compliance_mm_per_N": 0}
     helped = study(tmp_path, on_half_space(**known)).curves[0]
     assert helped.loading_radius == 15
@@ -401,20 +384,19 @@ def with_outlines(folder: Path, scale: dict[str, object], *more: Table) -> Study
 
 
 def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path):
-    own, shared = (
-        with_outlines(tmp_path / name, scale).fingers["f"]
+    results = [
+        with_outlines(tmp_path / name, scale)
         for name, scale in (("own", {"outline_relative_std": 0.03}), ("shared", {"scale": "camera"}))
-    )
+    ]
+    own, shared = (one.fingers["f"] for one in results)
+    exact = " ".join(results[1].study.taken_as_exact())
+    assert "outlines" not in exact
+    assert "scale" not in exact
     assert (own.scale, shared.scale) == (None, "camera")
     relative = np.sqrt(np.diagonal(shared.covariance)) / AXES
     assert (relative > 0.03).all()  # three faces of one scale do not average its error out
     size = np.ones(3) / (3 * AXES)  # of the logarithm of the geometric mean
     assert np.sqrt(size @ shared.covariance @ size) > 0.03 > 1.2 * np.sqrt(size @ own.covariance @ size)
-
-
-def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path):
-    found = with_outlines(tmp_path / "study", {"scale": "camera"}).study
-    assert not [words for words in found.taken_as_exact() if "outlines" in words or "scale" in words]
 
 
 def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path):

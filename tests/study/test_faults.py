@@ -5,7 +5,6 @@ import shutil
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
@@ -17,7 +16,6 @@ from tests.study.small_study import FRAMES, PICTURES, copy_unfinished, run_here
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.engine.worker import POOL
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
@@ -178,27 +176,6 @@ def test_a_full_disk(small_run, undisturbed, small_disk):
     assert rows(manifest, out) == undisturbed
 
 
-@pytest.mark.nightly
-def test_a_full_disk_where_pictures_are_drawn(unfinished, undisturbed, small_disk, monkeypatch, request):
-    monkeypatch.setenv("TMPDIR", str(small_disk))
-    POOL.keep(0)  # workers that are started now draw there
-    request.addfinalizer(lambda: POOL.keep(0))
-    out = unfinished.parent / "out"
-
-    def fill(progress: Progress) -> None:
-        if progress.item == "o0":
-            with suppress(OSError):
-                (small_disk / "full").write_bytes(bytes(60_000_000))
-
-    with pytest.raises(StoreError, match=rf"{small_disk}: the disk is full: make room and run again"):
-        rows(unfinished, out, on_progress=fill)
-    kept = study_status(unfinished, out)
-    assert kept.failed == 0
-    assert 0 < kept.done < kept.total
-    (small_disk / "full").unlink()
-    assert rows(unfinished, out) == undisturbed
-
-
 def test_a_folder_that_cannot_be_written(finished, undisturbed, small_disk):
     out = small_disk / "out"
     remount(small_disk, "ro")
@@ -210,23 +187,3 @@ def test_a_folder_that_cannot_be_written(finished, undisturbed, small_disk):
     remount(small_disk, "ro")
     with pytest.raises(FingerpadError, match=r"cannot be written.*choose another"):
         rows(finished, out)
-
-
-@pytest.mark.nightly
-def test_the_store_is_damaged_while_the_run_goes_on(unfinished, undisturbed):
-    out = unfinished.parent / "out"
-    store, done = out / STORE_NAME, study_status(unfinished, out).done
-
-    def damage(progress: Progress) -> None:
-        if progress.pictures > done + 2:
-            for path in (store, store.with_name(STORE_NAME + "-wal")):
-                if path.exists():
-                    path.write_bytes(b"damage" * 5000)
-
-    # Whether a run sees it or not, a result is right or there is none.
-    for options in ({"on_progress": damage}, {}):
-        with suppress(StoreError):
-            assert rows(unfinished, out, **options) == undisturbed
-    for path in store.parent.glob(f"{STORE_NAME}*"):
-        path.unlink()
-    assert rows(unfinished, out) == undisturbed

@@ -172,20 +172,6 @@ def test_ovals_are_upright_or_lying(tmp_path):
     assert (upright.semi_major, upright.semi_minor, upright.orientation_deg) == (146.125, 98.25, 0)
 
 
-def test_a_traced_outline_is_the_region_inside_it(tmp_path):
-    blob = np.zeros((60, 80), dtype=bool)
-    blob[10:40, 20:70], blob[30:50, 20:40] = True, True
-    corners = [(10, 20), (10, 70), (40, 70), (40, 40), (50, 40), (50, 20)]
-    (region,) = regionprops(blob.astype(int))
-    axes = np.array([region.axis_major_length, region.axis_minor_length])
-    axes *= np.sqrt(region.area / (np.pi * axes.prod()))  # of the region's own area
-    for outline in (corners, corners[::-1], [*corners, corners[0]]):
-        found = ellipse_of_polygon(np.array(outline) - 0.5)
-        assert_allclose(found.semi_axes, axes, rtol=1e-3)  # scikit-image takes pixels for points
-        assert_allclose(found.centre, region.centroid, rtol=1e-12)
-        assert_allclose(math.sin(found.orientation - region.orientation), 0, atol=1e-3)
-
-
 @pytest.mark.parametrize(
     ("corners", "message"),
     [

@@ -15,7 +15,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import guess_subject
 from fingerpad.simulate import render_coin, render_contact_image, render_finger
 from fingerpad.study.imports.identify import identify_file, join_files, parse_file_table, read_file_table
-from fingerpad.study.imports.names import FileValues, match_file_names, read_file_name, read_value
+from fingerpad.study.imports.names import match_file_names, read_file_name
 
 SHEET = f"""<?xml version="1.0"?><worksheet {MAIN}><sheetData>
 <row r="1"><c r="A1" t="s"><v>0</v></c><c r="B1" t="s"><v>1</v></c>
@@ -160,14 +160,6 @@ def test_patterns_refused(pattern):
         match_file_names(pattern, ["a.png"])
 
 
-def test_every_field_of_a_pattern_is_read():
-    values = FileValues()
-    for field, text in [("person", "1"), ("finger", "LI"), ("face", "ulnar"), ("wedge", "30"), ("load", "2")]:
-        read_value(values, field, text)
-    one = match_file_names("{person}-{finger}-{face}-{wedge}-{load}", ["1-LI-ulnar-30-2.png"])[0]
-    assert one.values == values
-
-
 # What names of files say, and what they leave open
 
 
@@ -220,7 +212,6 @@ def test_role(name, kind, role, face):
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "dzidek2017" / "synthetic"
-REAL = ROOT.parent / "shared" / "data"
 
 
 def test_example_files_under_names_that_say_nothing(tmp_path):
@@ -242,14 +233,22 @@ def test_subjects_of_pictures():
         *(("finger", random_finger(seed, 60).pixels) for seed in range(2)),
         ("coin", render_coin(radius=100, seed=2).pixels),
         *(("ruler", ruler_scene(kind, 3, side=480)) for kind in KINDS[:3]),
+        ("blank paper", np.full((80, 90), 200, np.uint8)),
     ]
     recognised: Counter[str] = Counter()
     for subject, pixels in pictures:
-        (best, share), *_ = guess_subject(pixels).subjects.items()
+        subjects = guess_subject(pixels).subjects
+        (best, share), *_ = subjects.items()
+        assert sum(subjects.values()) == pytest.approx(1)
         assert best == subject or share < 0.9, (subject, best, share)
         recognised[subject] += best == subject
-    assert recognised == {"contact": 1, "finger": 2, "coin": 1, "ruler": recognised["ruler"]}
-    assert recognised["ruler"] >= 2
+    assert recognised == {
+        "contact": 1,
+        "finger": 2,
+        "coin": 1,
+        "ruler": recognised["ruler"],
+        "blank paper": 0,
+    }
 
 
 @pytest.mark.parametrize("tip", ["up", "left"])
@@ -257,23 +256,6 @@ def test_a_side_is_told_whichever_way_the_tip_points(tip):
     guess = guess_subject(render_finger("radial", tip=tip, mm_per_px=0.08, seed=2).pixels)
     assert next(iter(guess.subjects)) == "finger"
     assert guess.faces["radial"] == guess.faces["ulnar"] > guess.faces["palmar"]
-
-
-def test_shares_sum_to_one_and_fall():
-    guess = guess_subject(np.full((80, 90), 200, np.uint8))
-    shares = list(guess.subjects.values())
-    assert sum(shares) == pytest.approx(1)
-    assert shares == sorted(shares, reverse=True)
-    assert shares[0] < 0.9  # blank paper is asked
-
-
-def test_real_prints_are_contact_images():
-    paths = sorted(REAL.glob("nist_nbis_livescan_slaps/*index*.png")) + sorted(REAL.glob("nist_minex_ink/a*"))
-    if not paths:
-        pytest.skip("no real prints on this machine")
-    for path in paths:
-        (best, share), *_ = guess_subject(path).subjects.items()
-        assert (best == "contact" and share >= 0.9) or (path.name == "a999_01p.pgm" and share < 0.9), path
 
 
 def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path):

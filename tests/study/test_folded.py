@@ -86,23 +86,17 @@ MANIFESTS = {
 TELLING = [("change",), ("rename", "add"), ("change_finger", "remove", "change_curve")]
 EDITS = {
     "change": Edit(kind="observation", key="p1", set={"load_N": 3, "notes": "a\n# left out: 0\n"}),
-    "first": Edit(kind="observation", key="p0", set={"notes": None, "wedge_angle_deg": 45.5}),
     "add": Edit(kind="observation", key="new", set={"load_N": 3}),
     "remove": Edit(kind="observation", key="p2", set=None),
     "rename": Edit(kind="observation", key="p0", set={"name": "p9"}),
-    "add_sequence": Edit(kind="sequence", key="press", set={"finger": "left"}),
     "change_finger": Edit(kind="finger", key="right", set={"sex": "f"}),
-    "rename_finger": Edit(kind="finger", key="left", set={"name": "thumb"}),
     "remove_finger": Edit(kind="finger", key="middle", set=None),
     "add_photograph": Edit(kind="photograph", key="right/c.png", set={"face": "radial"}),
     "add_inline_photograph": Edit(kind="photograph", key="middle/c.png", set={"face": "radial"}),
     "remove_photograph": Edit(kind="photograph", key="right/b.png", set=None),
     "rename_scale": Edit(kind="scale", key="reader", set={"name": "box"}),
-    "add_scale": Edit(kind="scale", key="other", set={"ppi": 300}),
     "title": Edit(kind="study", key="", set={"title": "Others"}),
-    "section": Edit(kind="apparatus", key="", set={"plate": "glass"}),
     "change_curve": Edit(kind="curve", key="1", set={"loading_radius_mm": 7}),
-    "add_curve": Edit(kind="curve", key="2", set={"finger": "left"}),
 }
 
 

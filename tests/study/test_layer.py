@@ -12,11 +12,9 @@ from tests.studies import Table, contact, curve, finger, run, summary_of, write_
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.report.plots import simulator_plots
 from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
-from fingerpad.study.results.load import read_rows
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import COLUMNS, items, records
+from fingerpad.study.results.table import COLUMNS, records
 from fingerpad.uncertainty import LAYER_SOURCES
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -144,16 +142,6 @@ def test_contacts_out_of_range_are_left_out_of_both_means(tmp_path):
     assert layer.at_highest_load == inside.at_highest_load
 
 
-def test_tables_are_read_back(tmp_path):
-    result = study(tmp_path, contacts=[(1, 6.0), (2, 7.4), (2, 14.0)])
-    read = read_rows(tmp_path / "out")
-    assert all(items(read[name]) == items(result.rows[name]) for name in LAYER)
-    assert items(read["layer_flag"]) == [None, None, "contact_too_wide"]
-    assert "nan" not in (tmp_path / "out" / "results.csv").read_text().lower()
-    dictionary = (tmp_path / "out" / "results_columns.csv").read_text()
-    assert all(f"\n{name}," in dictionary for name in LAYER)
-
-
 @cache
 def solved_press() -> tuple[PchipInterpolator, PchipInterpolator]:
     """Logarithms of load over E*, and of area, against that of indentation: solved on a grid, not by laws."""
@@ -207,35 +195,6 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed):
     record = summary_of(folder / "out")["curves"][0]["on_layer"]
     assert record[f"{name}_kpa"] == pytest.approx(layered.value)
     assert record["contact_shift_mm"] == pytest.approx(found.contact_shift)
-
-
-def test_the_law_that_simulators_take_goes_through_the_points_of_the_curve(pressed):
-    result, _ = pressed
-    (figure,) = (one.figure for one in simulator_plots(result, result.curves[0], "curve1"))
-    marks = {mark.label: mark for mark in figure.panels[0].marks}
-    points, law = marks["measured"], marks["law of the pad"]
-    beyond = points.y > 0.4  # where noise is small beside the load
-    off = np.interp(points.x[beyond], law.x, law.y) / points.y[beyond] - 1
-    assert np.abs(off).max() < 0.08
-    assert list(simulator_plots(result, replace(result.curves[0], fit=None), "curve1")) == []
-
-
-def test_an_uncertain_roll_changes_the_modulus_of_a_curve_to_second_order(pressed):
-    result, _ = pressed
-    uncertainty = result.study.uncertainty.model_copy(update={"roll_angle_deg_std": 5.0})
-    given = result.study.model_copy(update={"uncertainty": uncertainty})
-    found = curve_on_layer(given, result.fingers["f"], result.curves[0])
-    layered = found.quantities["youngs_modulus_from_indentation_on_layer"]
-
-    def modulus(roll_deg: float) -> float:
-        placement = Placement(PAD, wedge_angle=math.radians(30), roll_angle=math.radians(roll_deg))
-        depth = found.indentation + found.contact_shift
-        return 1000 * float(youngs_modulus(placement, load=found.load, indentation=depth, thickness=8.0))
-
-    assert modulus(0) == pytest.approx(layered.value, rel=1e-6)
-    # Of a change c in both directions the variance is 2 c².
-    expected = math.sqrt(2) * abs(modulus(5) - modulus(0))
-    assert layered.std * layered.budget["roll angle"] ** 0.5 == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -353,18 +353,3 @@ def test_a_file_behind_a_linked_folder_is_refused_by_name(study, name):
     (study / "study.toml").write_text(text.replace(f'"{name}"', f'"more/{name}"'))
     with pytest.raises(ManifestError, match=f"'more/{name}' leaves the study folder; copy the file into it"):
         read_study(study / "study.toml")
-
-
-def test_links_within_the_study_are_followed(study):
-    (study / ".data").mkdir()
-    for name in ("a.png", "frames", "frames/f2.png"):
-        stored = study / ".data" / name.replace("/", "-")
-        (study / name).rename(stored)
-        (study / name).symlink_to(stored)
-    assert read_study(study / "study.toml").sequences[0].file == "frames"
-
-
-def test_a_folder_that_nothing_names_may_link_anywhere(study):
-    (study / "notes").symlink_to(study.parent / "outside")
-    assert read_study(study / "study.toml").sequences
-    assert (study / "notes").is_dir()

@@ -190,10 +190,6 @@ def write(folder: Path, *tables: Table) -> Path:
     return write_study(folder, finger(), *tables, uncertainty=STATED)
 
 
-def run(folder: Path, *tables: Table) -> StudyResult:
-    return run_study(write(folder, *tables), folder / "out")
-
-
 @pytest.mark.parametrize(
     ("file", "out"),
     [("overlays/a.png", "."), ("sub/overlays/a.png", "sub"), ("a.png", "study.toml"), ("a.png", "a.png")],

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.claims import pooling
 from tests import studies
 from tests.study.measured import AXES, measured, pad
 
@@ -25,7 +24,6 @@ from fingerpad.study.results.study_result import StudyResult, check_uncertainty
 from fingerpad.study.results.table import first_record, records
 from fingerpad.uncertainty import PAD_SOURCES
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"
 STATED = {"wedge_angle_deg_std": 1.0, "load_relative_std": 0.02}
 
 
@@ -88,25 +86,6 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path):
     pooled = scattered.summaries[0].corrected_radius
     assert pooled.value == pytest.approx(mean, abs=0.1 * (naive - mean))
     assert naive - mean > 0.005
-
-
-@pytest.mark.nightly
-def test_contacts_that_came_out_round_do_not_count_for_more():
-    found = pooling.contacts(10, 0.1, 0.39, repeats=80)
-    assert (np.abs(found.bias) < 0.45).all()  # known to 0.11; −1.6 with the weights of what is stated
-    assert (found.covered > 0.86).all()
-
-
-def test_the_close_look_agrees_with_the_row(tmp_path):
-    result = study(tmp_path)
-    (check,) = result.checks
-    row = first_record(result.rows)  # the largest load
-    assert check.observation == row["observation"]
-    assert check.std == pytest.approx(row["radius_from_indentation_mm_std"], rel=1e-9)
-    assert check.valid
-    assert check.simulated_std == pytest.approx(check.std, rel=0.02)
-    for source, share in check.shares.items():
-        assert check.total[source] == pytest.approx(share, abs=0.02)
 
 
 STUDY = studies.study_of(studies.finger(std=0.5))

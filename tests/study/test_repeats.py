@@ -8,19 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.claims.area_exponents import ERRORS, held, smooth
+from benchmarks.claims.area_exponents import smooth
 from tests import studies
-from tests.studies import (
-    Table,
-    correct,
-    finger,
-    rows_by,
-    rows_of,
-    run_watched,
-    study_of,
-    summary_of,
-    write_study,
-)
+from tests.studies import Table, correct, finger, rows_by, rows_of, study_of, summary_of, write_study
 from tests.study.measured import AXES, frame, measured, pad
 
 from fingerpad.report.repeatability import repeatability_section
@@ -191,19 +181,6 @@ def test_no_contact_counts_for_all_because_of_its_little_noise():
     assert summary.corrected_radius.budget["repeatability"] > 0.5
 
 
-def test_scatter_between_contacts_is_in_the_weights():
-    quiet = contact(0, elongation=0.1)
-    others = [
-        contact(k, elongation=e, covariance_mm2=0.001 * np.eye(2)) for k, e in enumerate((0.3, 0.4, 0.5), 1)
-    ]
-    (summary,) = pool_contacts(modelled(quiet, *others))
-    pooled = summary.corrected_radius
-    assert pooled is not None
-    assert pooled.fixed.weights.max() > 0.99
-    assert pooled.largest_weight < 0.4
-    assert pooled.value == pooled.random.value
-
-
 def test_means_at_each_load_state_what_they_are_uncertain_by():
     rows = modelled(*repeats(4), known=BOTH)
     (at,) = pool_by_load(rows, BOTH)
@@ -300,25 +277,9 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter():
     assert np.count_nonzero(areas_of_all == 90) == 4
 
 
-def test_a_session_measures_nothing_again(tmp_path):
-    out, path = tmp_path / "out", manifest(tmp_path, 2)
-    run_study(path, out)
-    sheet = path.with_name("o.csv")
-    sheet.write_text(sheet.read_text().replace("monday", "tuesday"))
-    assert run_watched(path)[1] == []
-
-
 # The exponent of the area over the frames of presses, whose errors are not independent
 
 STATED = 0.02
-
-
-@pytest.mark.parametrize("presses", [1, 3])
-@pytest.mark.parametrize("kind", ERRORS)
-def test_the_exponent_of_presses_covers_the_truth_whatever_their_errors(kind, presses):
-    """Taken as independent, frames of smooth errors covered it in 4 to 40 %."""
-    ours, _ = held(kind, presses, repeats=200)
-    assert np.mean(ours) > 0.9
 
 
 def pressed(seed: int, presses: int = 1, frames: int = 40) -> Rows:
@@ -361,10 +322,3 @@ def test_more_frames_of_one_press_say_no_more():
         validity(pressed(1, frames=frames)).headlines[MODULUS].model_relative_std for frames in (40, 160)
     ]
     assert model_std[1] == pytest.approx(model_std[0], abs=0.02)
-
-
-def test_more_presses_say_more():
-    one, nine = (
-        np.median([area_exponent(pressed(s, presses).table).std for s in range(5)]) for presses in (1, 9)
-    )
-    assert nine < 0.6 * one

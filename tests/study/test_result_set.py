@@ -1,6 +1,5 @@
 """The files of a run are put in place as one, and reading them detects files that do not belong."""
 
-import hashlib
 import json
 import os
 import shutil
@@ -176,9 +175,13 @@ def replace_by_that_of_another_run(path: Path, other: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [lose_a_row, replace_by_that_of_another_run, lambda path, _: path.unlink()]
+    ("name", "change"),
+    [
+        ("results.csv", lose_a_row),
+        ("summary.json", replace_by_that_of_another_run),
+        ("results.csv", lambda path, _: path.unlink()),
+    ],
 )
-@pytest.mark.parametrize("name", ["results.csv", "summary.json"])
 def test_who_reads_results_names_the_file_that_does_not_belong(study, name, change):
     out, table = study / "out", study / "r.mat"
     change(out / name, study / "other")
@@ -283,20 +286,6 @@ def test_each_photograph_keeps_an_overlay_of_its_own(small_study, tmp_path):
     assert (out / second["c.png"]).read_bytes() != shown["b.png"]
     assert run("b.png", "c.png")[1] == []
     assert result_set_faults(out) == []
-
-
-def test_no_file_of_a_result_set_is_written_over_another(study):
-    out = study / "out"
-    before = contents(out)
-
-    def add_twice() -> None:
-        with Store.writing(out / STORE_NAME) as store, new_result_set(store) as new:
-            for name in TABLES[:2]:
-                new.add("a.csv", out / name, hashlib.sha256(before[name]).hexdigest())
-
-    with pytest.raises(FingerpadError, match="results before it are kept"):
-        add_twice()
-    assert contents(out) == before
 
 
 # `fingerpad verify` names everything that is not what was written, and nothing else

@@ -167,8 +167,6 @@ def test_synthetic_if_anything_is(tmp_path, pad, seen):
         {},
         {"threshold": 60},
         {"mask_px": [[5, 5], [5, 300], [420, 300], [420, 5]]},
-        {"region_of_interest_px": [5, 5, 380, 300]},
-        {"seed_px": [200, 150]},
     ],
 )
 def test_says_who_measured(folder, keys):

@@ -4,7 +4,6 @@ import html
 import re
 import shutil
 import sqlite3
-import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
@@ -299,28 +298,6 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain, study_dir, monkeypa
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
 
 
-@pytest.mark.nightly
-def test_memory_grows_with_rows_only(study_dir, press):
-    # Each frame three times: kept pictures would add a thousand times what a row takes.
-    peaks = []
-    for copies in (1, 3):
-        write_force(study_dir, LOAD.repeat(copies))
-        if copies > 1:
-            for k in reversed(range(LOAD.size)):
-                picture = (study_dir / "frames" / f"f{k}.png").read_bytes()
-                for copy in range(copies):
-                    (study_dir / "frames" / f"f{copies * k + copy}.png").write_bytes(picture)
-        run(study_dir)  # whatever is loaded only once, is loaded now
-        shutil.rmtree(study_dir / "out")
-        tracemalloc.start()
-        rows = len(run(study_dir).rows)
-        peaks.append((rows, tracemalloc.get_traced_memory()[1]))
-        tracemalloc.stop()
-    (few, before), (many, after) = peaks
-    assert many > 2.5 * few
-    assert (after - before) / (many - few) < press.pixels(0).size / 2
-
-
 def key_frame(press: SyntheticSequence, frame: int) -> dict:
     """The true ellipse of a frame as a person would place it."""
     size = 25.4 / press.ppi
@@ -435,10 +412,19 @@ def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
     return {"phases": {"starts": [{"phase": phase, "start_s": start} for phase, start in starts], "why": why}}
 
 
+def stored_keys(out: Path) -> set[tuple[str, str]]:
+    with Store.reading(out / STORE_NAME) as store:
+        return {(name, status.key) for name, status in store.statuses().items()}
+
+
 def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir, plain):
     run(study_dir)
     correct(study_dir, "p#phases", phases(*PHASES))
+    assert study_status(study_dir / "study.toml", study_dir / "out").stale == 1
+    stored = stored_keys(study_dir / "out")
     log, result = CorrectionLog(study_dir), run(study_dir)
+    # No picture is measured again.
+    assert {name for name, _ in stored - stored_keys(study_dir / "out")} == {"p"}
     rows, before = rows_by(result, "frame"), rows_by(plain, "frame")
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
@@ -462,22 +448,6 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir, plain
     assert rows_by(after, "frame") == before
     assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
     assert "phases set manually" not in page_of(after, study_dir / "out")
-
-
-def test_phases_set_manually_measure_no_picture_again(study_dir):
-    run(study_dir)
-    manifest, out = study_dir / "study.toml", study_dir / "out"
-
-    def stored_keys() -> set[tuple[str, str]]:
-        with Store.reading(out / STORE_NAME) as store:
-            return {(name, status.key) for name, status in store.statuses().items()}
-
-    before = stored_keys()
-    correct(study_dir, "p#phases", phases(*PHASES))
-    assert study_status(manifest, out).stale == 1
-    run(study_dir)
-    assert {name for name, _ in before - stored_keys()} == {"p"}
-    assert study_status(manifest, out).stale == 0
 
 
 # The platen moves up to the pad, presses it by Hertz's law, and goes back.

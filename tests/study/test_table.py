@@ -9,7 +9,7 @@ import pytest
 from tests.studies import finger, rows_of, study_of
 from tests.study.measured import frame, measured, pad
 
-from fingerpad.study.manifest.models import Contact, Observation
+from fingerpad.study.manifest.models import Contact
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results import rows as rows_module
 from fingerpad.study.results.output import write_rows
@@ -152,17 +152,3 @@ def test_no_more_than_a_batch_is_held():
 
     assert len(Rows(STUDY, {"f": pad()}, seen()).table) == 1_900
     assert most <= 2 * rows_module._AT_ONCE
-
-
-def test_very_many_single_contacts_are_pooled_without_a_matrix():
-    count = 20_000  # whose matrix would take 3 GB
-    singles = (one for one in many(2 * count) if isinstance(one[0], Observation) and not one[1].reason)
-    rows = Rows(STUDY, {"f": pad()}, singles)
-    (summary,) = pool_contacts(rows)
-    pooled = summary.corrected_radius
-    assert pooled is not None
-    assert pooled.count == len(rows.table) > 0.9 * count
-    assert pooled.fixed.birge_ratio == pytest.approx(1, abs=0.03)
-    # What is left of so many contacts is the pad's own uncertainty.
-    assert pooled.std == pytest.approx(rows.table.iloc[0]["mean_curvature_radius_mm_std"], rel=0.02)
-    assert pooled.fixed_geometry < 0.01 * pooled.std

@@ -26,15 +26,6 @@ def test_the_example_runs_and_its_truth_is_covered(run_example, tmp_path):
     assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
 
 
-def test_the_template_is_a_valid_study_beside_pictures(tmp_path):
-    (tmp_path / "IMG_1.jpg").write_bytes(b"mine")
-    study = read_study(write_template(tmp_path))
-    (observation,) = study.observations
-    assert observation.ellipse_mm.semi_major >= observation.ellipse_mm.semi_minor > 0
-    assert [observation.finger] == [finger.name for finger in study.fingers]
-    assert (tmp_path / "IMG_1.jpg").read_bytes() == b"mine"
-
-
 def test_the_template_overwrites_nothing(tmp_path):
     (tmp_path / "study.toml").write_text("title = 'mine'")
     with pytest.raises(ManifestError, match=r"study\.toml: is there already"):
