@@ -8,11 +8,10 @@ from benchmarks.truth.image_sets import draw
 
 CONDITIONS: Final = {
     "stripes": ("prism, dark rim", "prism, bell", "prism, moist", "scanner, moist"),
-    "pressure field": (
-        "light touch, ridges along the edge", "prism, bell-shaped pressure", "prism, moist",
-        "plate lit from above",
+    "elastic ridges": (
+        "light touch, ridges along the edge", "bell-shaped pressure", "prism, moist", "plate lit from above",
+        "ink, much",
     ),
-    "elastic ridges": ("prism, moist", "ink, much"),
 }  # fmt: skip
 
 

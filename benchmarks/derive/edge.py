@@ -1,4 +1,4 @@
-"""Shift of a contact's edge, on the four sets of images of known truth and sharp renders.
+"""Shift of a contact's edge, on the three sets of images of known truth and sharp renders.
 
 Each image gives the displacement of its outline that makes the gross area true, and what the edge model looks
 at. Sets weigh alike; bell-shaped pressure is left out, whose outermost ring touches nothing. The constant is

@@ -1,4 +1,4 @@
-"""Level of ridges and uncertainty of their area, on four independent renderers.
+"""Level of ridges and uncertainty of their area, on three independent renderers.
 
 The errors are those of the ridge area of images in which the outline was found to 5 % of its area, with what
 the outline itself adds taken off in proportion.

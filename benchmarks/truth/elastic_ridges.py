@@ -1,8 +1,8 @@
 """Contact images of elastic ridges.
 
 Written from the physics, without a look at the measurement. A wavy elastic surface under mean pressure p
-touches a plane over the share (2/π) arcsin √(p/p*) of its period (Westergaard; Johnson 1985, §13.2), and p is
-the pressure of Hertz over an ellipse. The phase of the ridges is a formula: waves around cores, with spirals
+touches a plane over the share (2/π) arcsin √(p/p*) of its period (Westergaard; Johnson 1985, §13.2), and p
+falls as (1 − ρ²)^s over an ellipse. The phase of the ridges is a formula: waves around cores, with spirals
 for minutiae. The truth is counted on a grid at least four times finer than the image; menisci, ink that
 spreads, and contact too faint to see count as errors of the measurement.
 """
@@ -25,6 +25,10 @@ class Condition:
     """What a set of images has in common; each image draws from the ranges. Lengths in mm, grey as shares."""
 
     pixel: Range = (0.03, 0.0508)
+    area: Range = (70, 220)
+    exponent: float = 0.5  # s of the pressure: Hertz's ½, flatter below, a bell above
+    threshold: float = 0.0  # of the mean pressure, below which a ridge of mean height does not touch
+    whorl: bool = False  # always, so that ridges run along the edge
     width: Range = (0.4, 0.65)  # mean share of the period that touches
     pores: float = 0.4  # per period along a ridge
     breaks: float = 0.0  # share of the skin too dry to couple light
@@ -41,6 +45,8 @@ class Condition:
     jpeg: int = 0
     spread: Range = (0.0, 0.0)  # liquid or ink beside each touching ridge
     paper: float = 0.0
+    lifted: float = 0.0  # contrast of ridges that do not touch, seen through the plate beside the contact
+    halo: float = 0.0  # darkness beside the contact, which fades over a mm
 
 
 CONDITIONS = {
@@ -62,18 +68,25 @@ CONDITIONS = {
     "300 ppi": Condition(pixel=(0.0847, 0.0847)),
     "1000 ppi": Condition(pixel=(0.0254, 0.0254), blur=(0.01, 0.025)),
     "noise": Condition(noise=0.08),
+    "flat pressure": Condition(exponent=0.2, threshold=0.04),
+    "pressure falls slowly": Condition(exponent=1.0, threshold=0.04),
+    "bell-shaped pressure": Condition(exponent=1.6, threshold=0.04),
+    "light touch": Condition(area=(30, 45), pixel=(0.02, 0.03), threshold=0.12),
+    "light touch, ridges along the edge": Condition(area=(30, 45), whorl=True, threshold=0.25),
+    "dark halo": Condition(halo=0.25),
+    "plate lit from above": Condition(lifted=0.22, halo=0.18, ridge=0.4),
 }
 
 
 smooth = partial(smooth_noise, knots=lambda n: int(n) + 3)
 
 
-def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
+def _phase(x: Array, y: Array, step: float, whorl: bool, rng: Rng) -> Array:
     """Phase of the ridges, 0 on a crest: a whorl, a loop or an arch, bent, with spirals as minutiae."""
     period = rng.uniform(0.4, 0.56)
     bend = 0.35 * smooth(rng, x.shape, 2.5 / step)
     kind = rng.integers(3)
-    if kind == 0:
+    if whorl or kind == 0:
         distance = np.hypot(0.85 * x, y - rng.uniform(-2, 2))
     elif kind == 1:
         slope = rng.uniform(-0.5, 0.5)
@@ -91,21 +104,23 @@ def _phase(x: Array, y: Array, step: float, rng: Rng) -> Array:
     return phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step)
 
 
-def _contact(x: Array, y: Array, semi_axes: Pair, width: float, rng: Rng) -> tuple[Array, Array]:
-    """Return where ridges touch, without holes, and the distance from the crest as a share of the period."""
+def _contact(x: Array, y: Array, semi_axes: Pair, c: Condition, rng: Rng) -> tuple[Array, Array, Array]:
+    """Return where ridges touch, without holes, the distance from the crest over half a period, and ρ²."""
     step = float(y[1, 0] - y[0, 0])
-    turn = rng.normal(0, 0.3)
+    width, turn = rng.uniform(*c.width), rng.normal(0, 0.3)
     u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
-    pressure = np.sqrt(np.maximum(1 - (v / semi_axes[0]) ** 2 - (u / semi_axes[1]) ** 2, 0))
-    crest = np.abs((_phase(u, v, step, rng) / np.pi + 1) % 2 - 1)
-    heights = np.exp(0.25 * smooth(rng, x.shape, 0.8 / step))
-    inside = pressure > 0
-    few = (pressure * heights)[::9, ::9][inside[::9, ::9]]
+    level = (v / semi_axes[0]) ** 2 + (u / semi_axes[1]) ** 2
+    pressure = np.maximum(1 - level, 0) ** c.exponent
+    crest = np.abs((_phase(u, v, step, c.whorl, rng) / np.pi + 1) % 2 - 1)
+    inside, heights = pressure > 0, np.exp(0.25 * smooth(rng, x.shape, 0.8 / step))
+    # The mean of (1 − ρ²)^s is 1/(s + 1).
+    pressure = np.maximum(pressure * heights - c.threshold / (c.exponent + 1), 0)
+    few = pressure[::9, ::9][inside[::9, ::9]]
     low, high = 1e-3, 1e3
     for _ in range(30):  # p* that gives the mean width
         flat = np.sqrt(low * high)
         low, high = (flat, high) if _share(few / flat).mean() > width else (low, flat)
-    return (crest < _share(pressure * heights / flat)) & inside, crest
+    return (crest < _share(pressure / flat)) & inside, crest, level
 
 
 def _share(pressure: Array) -> Array:
@@ -113,12 +128,19 @@ def _share(pressure: Array) -> Array:
     return np.minimum(2 / np.pi * np.arcsin(np.sqrt(np.minimum(pressure, 1))), _WIDEST)
 
 
-def _picture(touching: Array, step: float, binning: int, c: Condition, rng: Rng) -> Array:
-    """Return the image, 0 to 1, of the touching ridges."""
+def _beside(crest: Array, beyond: Array, c: Condition) -> Array:
+    """Return what is seen so many mm beyond the contact, where nothing touches."""
+    lifted = c.lifted * (1 + np.cos(np.pi * crest)) / 2 * np.exp(-(beyond**1.5) / 0.8)
+    return np.asarray(np.maximum(lifted, c.halo * np.exp(-beyond)), np.float32)
+
+
+def _picture(skin: tuple[Array, Array], step: float, binning: int, c: Condition, rng: Rng) -> Array:
+    """Return the image, 0 to 1, of the touching ridges and of what is seen beside them."""
 
     def blurred(field: Array, sigma: float) -> Array:
         return cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3))
 
+    touching, beside = skin
     shape = touching.shape
     density = touching.astype(np.float32)
     spread = rng.uniform(*c.spread)
@@ -133,7 +155,7 @@ def _picture(touching: Array, step: float, binning: int, c: Condition, rng: Rng)
     if c.paper:
         fibre = smooth(rng, shape, 0.05 / step) + 0.5 * smooth(rng, shape, 0.2 / step)
         density *= np.clip(1 + c.paper * fibre, 0, 1.2)
-    density = blurred(density, rng.uniform(*c.blur))
+    density = blurred(np.maximum(density, beside), rng.uniform(*c.blur))
     disc = rng.uniform(*c.disc) / 2 / step
     if disc > 1:
         reach = int(disc) + 1
@@ -157,7 +179,7 @@ def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
     """Make an image of a condition."""
     c = CONDITIONS[name]
     rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
-    area, aspect, pixel = rng.uniform(70, 220), rng.uniform(1.05, 1.55), rng.uniform(*c.pixel)
+    area, aspect, pixel = rng.uniform(*c.area), rng.uniform(1.05, 1.55), rng.uniform(*c.pixel)
     semi_axes = float(np.sqrt(area * aspect / np.pi)), float(np.sqrt(area / aspect / np.pi))
     binning = max(4, int(np.ceil(pixel / _FINEST)))
     step = pixel / binning
@@ -165,10 +187,11 @@ def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
     halves = semi_axes[0] + _MARGIN_MM, (2 * semi_axes[1] + semi_axes[0]) / 3 + _MARGIN_MM
     down, right = ((np.arange(-n, n) + 0.5) * step for n in (int(h / pixel) * binning for h in halves))
     x, y = np.meshgrid(right.astype(np.float32), down.astype(np.float32))
-    touching, crest = _contact(x, y, semi_axes, rng.uniform(*c.width), rng)
+    touching, crest, level = _contact(x, y, semi_axes, c, rng)
     touching &= ~holes(
         rng, crest < 0.3, step, c.pores,
         radius=(0.03, 0.06), creases=lambda: rng.poisson(1), length=(2, 6), width=(0.06, 0.15),
     )  # fmt: skip
-    pixels = eight_bit(_picture(touching, step, binning, c, rng), c.jpeg)
+    beyond = np.maximum(np.sqrt(level) - 1, 0) * np.sqrt(area / np.pi)
+    pixels = eight_bit(_picture((touching, _beside(crest, beyond, c)), step, binning, c, rng), c.jpeg)
     return TrueImage(pixels, pixel, area, float(touching.sum() * step**2), semi_axes)

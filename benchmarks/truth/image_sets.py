@@ -1,22 +1,18 @@
-"""Four sets of contact images of known truth that share no model with the measurement, by name and condition.
+"""Three sets of contact images of known truth that share no model with the measurement.
 
-Independent images have ridges by Gabor filters or the Swift-Hohenberg equation; a pressure field decides over
-which width ridges touch; elastic ridges are profiles pressed flat; stripes follow an orientation field.
+Independent images have ridges by Gabor filters or the Swift-Hohenberg equation; elastic ridges are profiles
+pressed flat; stripes follow an orientation field.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
-from benchmarks.truth import elastic_ridges, independent_images, pressure_images, stripe_images
+from benchmarks.truth import elastic_ridges, independent_images, stripe_images
 from benchmarks.truth.true_image import TrueImage
 
 # Conditions of each set, and what makes an image of one with a number and a seed.
 _SETS: Final[dict[str, tuple[Mapping[str, object], Callable[[str, int, int], TrueImage]]]] = {
     "independent images": (independent_images.CONDITIONS, independent_images.independent_image),
-    "pressure field": (
-        pressure_images.CONDITIONS,
-        lambda condition, number, seed: pressure_images.pressure_image(condition, 100 * seed + number),
-    ),
     "elastic ridges": (elastic_ridges.CONDITIONS, elastic_ridges.elastic_image),
     "stripes": (stripe_images.CONDITIONS, stripe_images.stripe_image),
 }
