@@ -171,10 +171,7 @@ def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path
             "line 3 has 2 cells under 1 headers: if line 3 is the header, delete the lines above it",
         ),
         ("force_N,displacement_mm\n1,2\n,3\n", "'' is not a finite number: fill it in, or leave out the row"),
-        (
-            "Load (lbf),displacement_mm\n1,2\n",
-            r"'Load \(lbf\)' has unit 'lbf'; force is read in N, mN.*rename",
-        ),
+        ("Load (lbf),displacement_mm\n1,2\n", r"'Load \(lbf\)' has unit 'lbf'; force is read in N, mN"),
         ("force_N,displacement_mm\n1,2\n\n5\n", "line 4, column 'displacement_mm': '' is not a finite"),
     ],
 )

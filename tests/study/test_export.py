@@ -18,6 +18,7 @@ from tests.sums import write_sums
 import fingerpad as fp
 from fingerpad._csv import package_table
 from fingerpad.exceptions import FingerpadError
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import load
 from fingerpad.study.results.load import export_results, read_rows
@@ -286,11 +287,14 @@ def test_results_lie_beside_the_manifest(tmp_path):
 
 
 def test_loads_and_angles_in_other_units_are_noted(tmp_path):
-    assert fp.run_study(make(tmp_path, load=2000, second=0.785)).notes == (
+    def doubts(**given: float) -> list[str]:
+        return [*read_study(make(tmp_path, **given)).doubts()]
+
+    assert doubts(load=2000, second=0.785) == [
         "heavy: more than 100 N: is load_N in millinewtons, not newtons?",
         "light: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
-    )
-    assert fp.run_study(make(tmp_path, first=1.2, second=0.5)).notes == (
+    ]
+    assert doubts(first=1.2, second=0.5) == [
         "heavy and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
-    )
-    assert fp.run_study(make(tmp_path, load=100, second=0)).notes == ()
+    ]
+    assert doubts(load=100, second=0) == []

@@ -33,11 +33,17 @@ def row_of(folder: Path, pressed: Table | None = None, *, pad: Table | None = No
     return row
 
 
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("drawn") / "print.png"
+    Image.fromarray(render_contact_image(semi_major=8.0, semi_minor=6.0, seed=2).pixels).save(path)
+    return path
+
+
 @pytest.fixture
-def folder(tmp_path) -> Path:
+def folder(drawn, tmp_path) -> Path:
     """Return a folder with a contact image."""
-    truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=2)
-    Image.fromarray(truth.pixels).save(tmp_path / "print.png")
+    shutil.copy(drawn, tmp_path)
     return tmp_path
 
 
