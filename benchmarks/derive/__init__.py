@@ -3,8 +3,8 @@
 ``--images N`` of each condition and ``--seeds FIT OTHER`` say which images. A module here fits one calibrated
 model, or two that belong together, to images of known truth of one seed, and shows on images of the other how
 well the values in the code and those fitted do. The images come from renderers in `benchmarks` that share no
-model with the library; values in use of contacts and photographs were fitted to two more, which the history has
-up to 355ef79c. Nothing is changed: who takes a new value edits the model's dataclass, raises the measurement's
+model with the library; values of contacts and photographs were fitted to two more, in the history up to
+355ef79c. Nothing is changed: who takes a new value edits the model's dataclass, raises the measurement's
 version and records its pins.
 
 To add one: constants that were fitted stand in a module of the library named ``calibration.py``, as a frozen

@@ -106,7 +106,7 @@ def try_commands(folder: Path, count: int) -> Outcomes:
     for seed in range(count):
         rng = random.Random(seed)
         for path, content in originals.items():
-            path.write_bytes(content if rng.random() < 0.6 else damaged(path.name, content, rng))
+            path.write_bytes(content if rng.random() < 0.6 else damaged(content, rng))
         run("status", folder / "demo", "--out", folder / "none")
         run("verify", folder / "small", "--out", folder / "whole")
         run("compare", folder / "whole")
