@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydantic_core import SchemaError
 
 from fingerpad._columns import columns_in_toml, header_parts
 from fingerpad._csv import csv_cell
@@ -91,3 +92,11 @@ def test_reasons_name_file_or_step(error, reason) -> None:
     assert reason_of(error, "cannot write") == reason
     assert not is_interrupt(error)
     assert is_interrupt(KeyboardInterrupt())
+
+
+def test_an_interrupt_is_one_in_whatever_error_it_comes() -> None:
+    imported, model = ImportError("initialization failed"), SchemaError("Error building: KeyboardInterrupt:")
+    imported.__cause__ = KeyboardInterrupt()  # as of a compiled module
+    assert is_interrupt(imported)
+    assert is_interrupt(model)
+    assert not is_interrupt(SchemaError("Error building"))

@@ -3,7 +3,6 @@
 import importlib
 import inspect
 import re
-import sys
 import tomllib
 from pathlib import Path
 
@@ -23,15 +22,6 @@ def test_every_benchmark_says_what_it_measures_and_needs_no_argument(name):
     inspect.signature(module.report).bind()
 
 
-def test_help_names_the_options_with_their_defaults(capsys):
-    with pytest.raises(SystemExit, match="0"):
-        command.measure("photographs", ["--help"])
-    shown = " ".join(capsys.readouterr().out.split())
-    assert shown.startswith("usage: python -m benchmarks photographs")
-    assert "--count COUNT default: 192 --first FIRST default: 75000" in shown
-    assert "rendered fingers" in shown
-
-
 def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command, "RESULTS", tmp_path)
     command.measure("area_exponents", ["--repeats", "2"])
@@ -42,21 +32,6 @@ def test_a_table_is_printed_and_stored_only_when_asked(tmp_path, monkeypatch, ca
     assert "| of each frame |" in table
     assert foot.startswith("*`python -m benchmarks area_exponents --repeats 2`, 20")
     assert foot.endswith("; repeats 2.*\n")
-
-
-def test_an_option_a_package_and_prints_that_are_missing_are_named(monkeypatch, tmp_path, capsys):
-    monkeypatch.delitem(sys.modules, modules()["simulators"], raising=False)
-    monkeypatch.setitem(sys.modules, "mujoco", None)
-    monkeypatch.setenv("FINGERPAD_PRINTS", str(tmp_path))
-    for name, words in (
-        ("simulators", "simulators needs the package mujoco: `make setup` installs"),
-        ("real_prints", "FINGERPAD_PRINTS names where they lie"),
-    ):
-        with pytest.raises(SystemExit, match=words):
-            command.measure(name, [])
-    with pytest.raises(SystemExit):
-        command.measure("coins", ["--seeds", "3"])
-    assert "unrecognized arguments: --seeds 3" in capsys.readouterr().err
 
 
 def test_texts_name_benchmarks_that_are_there():

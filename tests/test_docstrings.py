@@ -2,7 +2,6 @@
 
 import ast
 import dataclasses
-import doctest
 import enum
 import inspect
 import pkgutil
@@ -99,27 +98,3 @@ def test_errors_are_described() -> None:
         for name, each in FUNCTIONS.items()
     }
     assert {name: errors for name, errors in missing.items() if errors} == {}
-
-
-def test_examples_of_functions_show_a_value() -> None:
-    parse = doctest.DocTestParser().get_examples
-    shown = {
-        name: parse("\n".join(sections(each)["Examples"]))
-        for name, each in OBJECTS.items()
-        if name in FUNCTIONS
-    }
-    assert [name for name, examples in shown.items() if not any(one.want for one in examples)] == []
-
-
-def test_signatures_name_types_as_the_code_does() -> None:
-    # Without the __future__ import, help() spells out what ArrayLike stands for: some 400 characters.
-    callables = {**OBJECTS, **METHODS}
-    spelt_out = {name for name, each in callables.items() if "numpy._typing" in signature_text(each)}
-    assert spelt_out == set()
-
-
-def signature_text(each) -> str:
-    try:
-        return str(inspect.signature(each))
-    except (TypeError, ValueError):
-        return ""

@@ -1,7 +1,6 @@
 """Tables of every kind: the same numbers from each, and clear words for what is none."""
 
 import io
-import re
 import struct
 import zipfile
 import zlib
@@ -19,7 +18,7 @@ from scipy.io import savemat
 from tests.workbooks import MAIN, sheet_xml, workbook
 
 from fingerpad import _tables
-from fingerpad._tables import TABLE_SUFFIXES, parse_table, read_table
+from fingerpad._tables import parse_table, read_table
 from fingerpad.exceptions import LoadingError
 from fingerpad.image.sequence.force import read_force_signal
 from fingerpad.loading import read_loading_curve
@@ -83,23 +82,6 @@ def test_curves_and_forces_are_read_from_any_of_them(tmp_path: Path) -> None:
         assert np.array_equal([curve.load, curve.indentation], np.transpose(rows)[1:]), name
         assert np.array_equal([force.time, force.load, force.displacement], np.transpose(rows)), name
         assert read_table(tmp_path / name, LoadingError, head_only=True).header == list(HEADER)
-
-
-def test_what_lists_the_kinds_of_tables_names_all() -> None:
-    """Help, messages, docstrings, the page and the documentation; TSV counts as CSV."""
-    root = Path(__file__).parents[1]
-    kinds = {suffix[1:].upper() for suffix in TABLE_SUFFIXES} - {"TSV"}
-    source = [path for suffix in ("py", "js", "toml") for path in (root / "src").rglob(f"*.{suffix}")]
-    listed, faults = 0, []
-    for path in (*source, *(root / "docs").glob("*/*.md")):
-        text = path.read_text(encoding="utf-8")
-        for found in re.finditer(r"\bCSV\b[^.]{0,20}\bXLSX\b[^.;]{0,8}\bMAT\b(?s:.{0,90})", text):
-            listed += 1
-            if lacking := sorted(kind for kind in kinds if not re.search(rf"\b{kind}\b", found[0])):
-                line = text.count("\n", 0, found.start()) + 1
-                faults.append(f"{path.relative_to(root)}:{line} lacks {', '.join(lacking)}")
-    assert listed > 10
-    assert not faults, "\n".join(faults)
 
 
 def test_columns_of_a_matrix_are_named_by_their_number(tmp_path: Path) -> None:

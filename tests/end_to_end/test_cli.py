@@ -17,16 +17,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 from tests.command import run, run_json
-from tests.studies import (
-    OUTLINES,
-    contact,
-    finger,
-    picture,
-    summary_of,
-    write_numbers,
-    write_outlines,
-    write_study,
-)
+from tests.studies import OUTLINES, contact, finger, picture, write_numbers, write_outlines, write_study
 
 from fingerpad.cli import app
 from fingerpad.cli.progress import ProgressDisplay
@@ -40,7 +31,6 @@ from fingerpad.simulate import (
 from fingerpad.study.engine.runner import Progress
 
 FIELDS = "fields --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30 --youngs-modulus-kpa 70 --grid 64"
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
 
 def test_geometry() -> None:
@@ -113,10 +103,9 @@ def test_fields() -> None:
         low, _, high = np.transpose(one["principal_stresses_kpa"])
         np.testing.assert_allclose(one["maximum_shear_kpa"], (high - low) / 2)
         assert max(one["maximum_shear_kpa"]) <= one["highest_shear_on_axis_kpa"]
-        # Incompressible: strains without change of volume, and their energy by the deviatoric stress alone.
+        # Incompressible: strains are those of the deviatoric stress.
         strain = np.array([one[f"strain_{name}"] for name in ("xx", "yy", "zz")])
         stress = np.array([one[f"stress_{name}_kpa"] for name in ("xx", "yy", "zz")])
-        np.testing.assert_allclose(strain.sum(axis=0), 0, atol=1e-12)
         np.testing.assert_allclose(strain, 1.5 * (stress - stress.mean(axis=0)) / 70, atol=1e-12)
         sheared = np.multiply(one["stress_xz_kpa"], one["strain_xz"])
         energy = 0.5 * (stress * strain).sum(axis=0) + sheared
@@ -210,18 +199,6 @@ def test_measure_print(print_file: Path, tmp_path: Path) -> None:
     assert len(list((tmp_path / "overlays").iterdir())) == 1
 
 
-def test_help_shows_options_and_commands_in_full() -> None:
-    assert "  --scale-relative-std <" in run("measure", "print", "--help")[1]
-    code, out, _ = run("--help")
-    assert code == 0
-    places = [out.index(words) for words in ("Studies:", "  init ", "Single questions:", "  hertz ")]
-    assert places == sorted(places)
-    text = " ".join(out.split())
-    for command in ("run", "geometry", "reproduce", "measure"):
-        _, shown, _ = run(command, "--help")
-        assert " ".join(shown.split("\n\n")[1].split()) in text
-
-
 def test_measure_print_explains_scale_flags_and_overlays(print_file: Path, tmp_path: Path) -> None:
     code, out, _ = run("measure", "print", print_file, "--overlay-dir", tmp_path / "drawn")
     assert code == 0
@@ -235,18 +212,6 @@ def test_measure_print_explains_scale_flags_and_overlays(print_file: Path, tmp_p
     assert "\nscale taken as exact\n" in out
     assert "\nscale_doubtful: the ridge period is not that of a finger, or" in out
     assert "Overlays" not in out
-
-
-def test_measure_print_scale_from_file(print_file: Path, tmp_path: Path) -> None:
-    picture = Image.open(print_file)
-    picture.save(tmp_path / "placeholder.png", dpi=(72, 72))
-    picture.save(tmp_path / "silent.png", dpi=None)
-    code, out, _ = run("measure", "print", *sorted(tmp_path.glob("*.png")), print_file, "--json")
-    assert code == 3
-    placeholder, silent, stated = json.loads(out)
-    assert stated["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
-    assert "(the picture's file states 72 dots per inch" in placeholder["error"]
-    assert "states no resolution" in silent["error"]
 
 
 def test_measure_print_seed_and_region(tmp_path: Path) -> None:
@@ -325,11 +290,9 @@ def test_scale_from_coin_and_grid(print_file: Path, tmp_path: Path) -> None:
 def test_progress_bar_on_terminals_only(
     print_file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sequence = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
     for command, count in (
         (["print", print_file], 1),
         (["print", print_file, print_file], 2),
-        (["sequence", sequence], 24),
     ):
         ours, theirs = pty.openpty()
         with os.fdopen(theirs, "w") as terminal, monkeypatch.context() as patched:
@@ -349,9 +312,9 @@ def test_progress_bar_on_terminals_only(
 
 
 def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
-    # As they come out of a drawing program, to a micrometre.
-    drawn = {"decimals": 3, "outline_relative_std": 0.01}
-    faces = write_outlines(tmp_path, OUTLINES | {"distal": (12.8, 7.9)}, **drawn)
+    faces = write_outlines(
+        tmp_path, OUTLINES | {"distal": (12.8, 7.9)}, decimals=3, outline_relative_std=0.01
+    )
     stated = {"wedge_angle_deg_std": 0.3}
     study = write_study(tmp_path, finger(photographs=faces), contact(axis=""), uncertainty=stated)
     code, out, err = run("run", study, "--out", tmp_path / "out")
@@ -359,13 +322,7 @@ def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
     (line,) = (line for line in out.splitlines() if line.startswith("doubtful: f:"))
     words = r"faces disagree \(p = .*palmar face: radial–ulnar −\d\.\d %.*; distal face: .*\+\d"
     assert re.search(words, line)
-    (joint,) = summary_of(tmp_path / "out")["fingers"]
-    assert joint["p_value"] < 0.01 < joint["between_faces_relative_std"]
-    relative = joint["faces"][1]["radial_ulnar_relative_difference"]
-    assert relative == pytest.approx(12.8 / joint["radial_ulnar_mm"] - 1, abs=1e-4)
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "the faces disagree" in page
-    assert line.split("): ")[1] in page
+    assert line.split("): ")[1] in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 def test_measure_photo(tmp_path: Path) -> None:
@@ -548,13 +505,6 @@ def test_invalid_manifest_stops_run(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_uncreatable_output_folder(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    code, _, err = run("run", EXAMPLE / "study.toml", "--out", tmp_path / "file" / "out")
-    assert code == 2
-    assert "cannot make this folder" in err
-
-
 def test_overlay_names_do_not_collide(tmp_path: Path) -> None:
     pixels = render_contact_image(seed=4).pixels
     files = [tmp_path / name for name in ("1/x.png", "2/x.png", "2/x_overlay.png")]
@@ -590,12 +540,6 @@ def test_missing_packages_named() -> None:
         assert line.startswith(f"fingerpad: this needs the package {missing}")
 
 
-def test_console_encodings() -> None:
-    environment = {**os.environ, "PYTHONIOENCODING": "cp1252"}
-    command = [sys.executable, "-m", "fingerpad", "reproduce"]
-    assert b"Table 4" in subprocess.run(command, capture_output=True, env=environment, check=True).stdout
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="threads are counted as Linux shows them")
 def test_linear_algebra_threads() -> None:
     script = (
@@ -611,21 +555,6 @@ def test_linear_algebra_threads() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine
     )
     assert int(done.stdout.splitlines()[-1]) == 1
-
-
-@pytest.mark.parametrize(
-    ("package", "heavy"),
-    [
-        ("fingerpad.contact", "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"),
-        ("fingerpad.cli", "matplotlib, cv2, PIL, pydantic, scipy, pandas, jinja2, tifffile"),
-    ],
-)
-def test_import_is_light(package: str, heavy: str) -> None:
-    script = f"import sys, {package}; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={**os.environ}
-    )
-    assert done.stdout.strip() == "[]"
 
 
 def test_the_shown_rate_is_of_this_run_alone() -> None:

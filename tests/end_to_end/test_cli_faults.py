@@ -1,7 +1,6 @@
 """Whatever happens to a command: no traceback, no lost batch, an exit code that says what happened."""
 
 import json
-import random
 import signal
 import subprocess
 import sys
@@ -46,7 +45,6 @@ FULL = "fingerpad: cannot write (No space left on device)"
     [
         (">&-", CLOSED, HERTZ),
         (">/dev/full", FULL, (*HERTZ, "--json")),
-        (">/dev/full 2>/dev/full", "", ("--help",)),
         (">&- 2>&-", "", HERTZ),
     ],
 )
@@ -125,27 +123,6 @@ def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.Monkey
     assert [frame["frame"] for frame in json.loads(out)] == list(range(12))
 
 
-def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
-    video = tmp_path / "video.avi"
-    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 10, (120, 120))
-    pixels = cv2.resize(render_contact_image(seed=1).pixels, (120, 120))
-    for _ in range(6):
-        writer.write(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
-    writer.release()
-    whole, rng = video.read_bytes(), random.Random(1)
-    codes = set()
-    for _ in range(10):
-        damaged = bytearray(whole)
-        for _ in range(rng.choice((1, 20, 300))):
-            damaged[rng.randrange(len(damaged))] = rng.randrange(256)
-        video.write_bytes(damaged[: rng.choice((len(damaged), rng.randrange(len(damaged))))])
-        code, out, _ = command.run("measure", "sequence", video, "--ppi", 250, "--json")
-        assert code == 2 or json.loads(out)
-        codes.add(code)
-    assert codes <= {0, 2, 3}
-    assert len(codes) > 1
-
-
 def interruptible(*arguments: object) -> subprocess.Popen[str]:
     """Start the program with interrupts, which processes started in the background ignore."""
     script = (
@@ -159,12 +136,12 @@ def interruptible(*arguments: object) -> subprocess.Popen[str]:
     return process
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(16, marks=pytest.mark.nightly)])
-def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
+@pytest.mark.nightly
+def test_interrupt_without_traceback(prints: list[Path]) -> None:
     rng = np.random.default_rng(2)
     commands = [("measure", "print", *prints * 20, "--ppi", 500), HERTZ]
     codes = []
-    for number in range(count):
+    for number in range(16):
         process = interruptible(*commands[number % 2])
         time.sleep(rng.uniform(0.03, 1.2))
         process.send_signal(signal.SIGINT)
@@ -172,7 +149,7 @@ def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
         assert err in {"", "fingerpad: interrupted\n"}
         codes.append(process.returncode)
     assert set(codes) <= {0, 130, -signal.SIGINT}
-    assert codes.count(130) >= count // 5
+    assert codes.count(130) >= 3
 
 
 DELETED = "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
@@ -190,17 +167,6 @@ REPRODUCE = "fingerpad.published.audit"
             "import time\nclass Slow(program.Timer):\n"
             "    def start(self): super().start(); time.sleep(0.03)\nprogram.Timer = Slow\n"
             f"{DELETED}def instead():\n    Deleted()\n    return real()\n",
-        ),
-        # A compiled module turns an interrupt during its import into an ImportError.
-        (
-            REPRODUCE,
-            "def instead():\n    raise ImportError('initialization failed') from KeyboardInterrupt()\n",
-        ),
-        # A model that pydantic makes turns one into words.
-        (
-            REPRODUCE,
-            "from pydantic_core import SchemaError\n"
-            "def instead():\n    raise SchemaError('Error building model: KeyboardInterrupt:')\n",
         ),
         # A class that is being made turns one into a RuntimeError, before any command runs.
         (

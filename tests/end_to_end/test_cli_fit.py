@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.io import savemat
 from tests import command
 from tests.studies import write_curve, write_numbers
 
@@ -50,11 +49,6 @@ def test_json_keys(curve: Path) -> None:
     assert list(segments) == ["baseline", "loading", "hold", "unloading"]
     assert (segments["baseline"][0], segments["unloading"][1]) == (0, 199)
     assert isinstance(record["flags"], list)
-    # A MAT file holds the same.
-    header, *_ = curve.read_text().splitlines()
-    values = np.loadtxt(curve, delimiter=",", skiprows=1)
-    savemat(curve.with_suffix(".mat"), dict(zip(header.split(","), values.T, strict=True)))
-    assert {**fitted(curve.with_suffix(".mat")), "file": str(curve)} == record
 
 
 def test_undetermined_is_null_with_reason(curve: Path, tmp_path: Path) -> None:

@@ -104,17 +104,6 @@ def flags() -> Iterator[tuple[str, str, int]]:
                 yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
 
 
-def test_a_flag_of_a_modulus_says_which() -> None:
-    moduli = {(name, flag) for name, flag, _ in flags() if "modulus" in flag}
-    assert moduli == {
-        ("hertz", "--reduced-modulus-kpa"),
-        ("solve", "--youngs-modulus-kpa"),
-        ("fields", "--youngs-modulus-kpa"),
-        ("simulator", "--youngs-modulus-kpa"),
-        ("simulator", "--youngs-modulus-kpa-std"),
-    }
-
-
 def small_print(seed: int) -> np.ndarray:
     return render_contact_image(semi_major=4.0, semi_minor=3.0, ppi=250, seed=seed).pixels
 

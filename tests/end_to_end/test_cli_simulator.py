@@ -79,14 +79,6 @@ def test_text_has_the_same_numbers() -> None:
     assert " ".join(f"{number:.6g}" for number in record["mujoco"]["solimp"]) in out
 
 
-@pytest.mark.nightly
-def test_export(tmp_path) -> None:
-    code, out, err = run(*USUAL, "--export", tmp_path / "new")
-    assert (code, err) == (0, "")
-    assert "finger.xml" in out
-    assert (tmp_path / "new" / "finger.inp").is_file()
-
-
 def test_small_mass_is_flagged() -> None:
     record, err = run_json(*USUAL, "--mass-kg", 0.001)
     assert record["mujoco"]["flag"] == "time_step_below_default"

@@ -161,12 +161,6 @@ def test_pad_point_colours(axes):
     require_whole_lines(axes)
 
 
-def test_view_right_handed_and_upright():
-    view = Camera.of(towards=(1, 2, 3), up=(0, 1, 0))
-    assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-15)
-    assert view.up[1] > 0.5
-
-
 def test_contact_ellipse_size_and_direction(axes):
     plot_pad_with_contact(
         axes,

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, LoadingError
+from fingerpad.exceptions import FingerpadError, ImageError, LoadingError
 from fingerpad.image import (
     Frame,
     Scale,
@@ -93,19 +93,6 @@ def test_pictures_of_nothing(name):
             measure(PICTURES[name])
 
 
-def test_pictures_of_any_number_type():
-    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((20, 20), int)) * 200
-    expected = guess_subject(levels).subjects.keys()
-    for kind in (bool, np.uint32, np.float64):
-        assert guess_subject(levels.astype(kind)).subjects.keys() == expected
-
-
-@pytest.mark.parametrize("points", [(3.5, 3), (3, np.nan), (3,), 3, "ab", (2, 3)])
-def test_invalid_counts_of_grid_points(points):
-    with pytest.raises(CalibrationError, match="points must be"):
-        measure_grid(contact(), points, 1.0)
-
-
 @pytest.mark.parametrize(
     ("time", "values"), [([0, 1], [1]), ([1, 0], [0, 1]), ([0, 1], [0, np.nan]), ("ab", [0, 1]), (0, 1)]
 )
@@ -187,13 +174,6 @@ def test_ridge_period_larger_than_picture(ridge_period):
 def test_invalid_marks(points):
     with pytest.raises(ImageError, match="points"):
         measure_photograph(finger(), "palmar", SCALE, points=points)
-
-
-@pytest.mark.parametrize("argument", ["face", "tip"])
-@pytest.mark.parametrize("value", ["x", None, 5, []])
-def test_invalid_directions(argument, value):
-    with pytest.raises(ImageError, match=argument):
-        measure_photograph(finger(), scale=SCALE, **{"face": "palmar", argument: value})
 
 
 def test_overlay_of_very_large_picture_is_reduced():

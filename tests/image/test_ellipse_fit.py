@@ -31,16 +31,6 @@ def test_exact_points(first, second, angle, x, y):
     assert -math.pi / 2 < fit.ellipse.angle <= math.pi / 2
 
 
-@given(semi_axes, semi_axes, angles, st.floats(0.01, 100))
-@settings(max_examples=10)
-def test_unit_scaling(first, second, angle, unit):
-    points = outline_points(first, second, angle=angle, noise_std=0.02, seed=4)
-    fit, scaled = fit_ellipse(points), fit_ellipse(points * unit)
-    assert scaled.ellipse.semi_x == pytest.approx(unit * fit.ellipse.semi_x, rel=1e-6)
-    assert scaled.residual_std == pytest.approx(unit * fit.residual_std, rel=1e-5)
-    assert scaled.covariance[2, 2] == pytest.approx(unit**2 * fit.covariance[2, 2], rel=1e-4)
-
-
 def test_agrees_with_a_second_implementation():
     points = outline_points(7.4, 5.0, count=80, angle=0.4, centre=(3, 2), noise_std=0.02, seed=2)
     (x, y), full_axes, _ = cv2.fitEllipseDirect(points.astype(np.float32))

@@ -11,12 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import FitError
-from fingerpad.image import (
-    FACE_AXES,
-    SEMI_AXES,
-    FaceSemiAxes,
-    combine_faces,
-)
+from fingerpad.image import FACE_AXES, FaceSemiAxes, combine_faces
 
 TRUTH = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 THREE = ("palmar", "distal", "radial")
@@ -89,24 +84,6 @@ def some_faces(random):
     ]
 
 
-@given(st.integers(0, 100_000))
-def test_axes_within_range_of_values(seed):
-    faces = some_faces(np.random.default_rng(seed))
-    found = combine_faces(faces)
-    reach = math.sqrt(found.degrees_of_freedom if found.between_relative_std > 0 else found.chi_square)
-    for axis, value in zip(SEMI_AXES, found.semi_axes, strict=True):
-        low, high = [], []
-        for one in faces:
-            if axis in FACE_AXES[one.face]:
-                place = FACE_AXES[one.face].index(axis)
-                length = one.semi_axes[place]
-                own = math.sqrt(one.covariance[place, place]) / length
-                std = math.hypot(own, one.relative_scale_std, 1e-4)
-                low.append(math.log(length) - reach * std)
-                high.append(math.log(length) + reach * std)
-        assert min(low) - 1e-9 <= math.log(value) <= max(high) + 1e-9
-
-
 def test_scale_shared_by_all_faces():
     factors = {"palmar": (1.01, 0.995), "distal": (0.99, 1.0), "radial": (1.0, 1.008)}
     alone, shared = (
@@ -131,8 +108,6 @@ def test_scale_shared_by_two_faces():
     ("names", "std", "scale_std"),
     [
         (("palmar", "radial"), 1e-6, 0.02),
-        pytest.param(("palmar", "radial"), 0.05, 0.02, marks=pytest.mark.nightly),
-        pytest.param(THREE, 0.4, 0.03, marks=pytest.mark.nightly),
         pytest.param(THREE, (0.6, 0.1, 0.2), 0.02, marks=pytest.mark.nightly),
     ],
 )
@@ -158,8 +133,3 @@ def test_disagreement_widens_result():
     assert 0.03 < found.between_relative_std < 0.08
     assert found.disagreements[1]["radial_ulnar"] - found.disagreements[0]["radial_ulnar"] > 0.09
     assert (found.stds > 3 * combine_faces(map(face, THREE)).stds).all()
-
-
-def test_other_objects_refused():
-    with pytest.raises(FitError, match="face_semi_axes of a measured photograph, found float"):
-        combine_faces([1.0, 2.0])

@@ -70,6 +70,9 @@ def test_displacement_of_the_platen(tmp_path):
         ("time_s,force_N\n0,1\n2,1\n1,1\n", r"after row 2 \(2 s\) it falls to 1 s"),
         ("time_s,force_N\n0,1\n1,1\n1,2\n", r"after row 2 \(1 s\) it is repeated"),
         ("time_s,force_lb\n0,1\n1,2\n", "unit 'lb'"),
+        ("time_s,force_N\n0,0\n1,0\n2,0\n", "the force is 0 N throughout"),
+        ("time_s,force_N\n0,0\n1,-1\n2,-2\n", "positive in compression: reverse its sign"),
+        ("time_s,force_N\n0,0.1\n1,-1\n2,-0.5\n", "goes down to -1 N and up to 0.1 N only"),
     ],
 )
 def test_invalid_files(tmp_path, text, words):
@@ -163,20 +166,6 @@ def test_frame_clock_preferences():
         frame_clock(10, plain, start_time=1.0, contact_load=0.5)
     with pytest.raises(LoadingError, match="give the force too"):
         frame_clock(10, contact_load=0.5)
-
-
-@pytest.mark.parametrize(
-    ("rows", "message"),
-    [
-        ([(0, 0), (1, 0), (2, 0)], "the force is 0 N throughout"),
-        ([(0, 0), (1, -1.0), (2, -2.0)], "positive in compression: reverse its sign"),
-        ([(0, 0.1), (1, -1.0), (2, -0.5)], "goes down to -1 N and up to 0.1 N only"),
-    ],
-)
-def test_forces_without_press_refused(tmp_path, rows, message):
-    text = "time_s,force_N\n" + "".join(f"{t},{f}\n" for t, f in rows)
-    with pytest.raises(LoadingError, match=message):
-        read_force_signal(write(tmp_path, text))
 
 
 def test_a_zero_below_zero_is_kept(tmp_path):

@@ -183,15 +183,6 @@ def test_truncated_stack(tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_pages_lost_with_the_end_of_a_small_file_are_told(tmp_path):
-    path = tmp_path / "stack.tif"
-    tifffile.imwrite(path, np.zeros((5, 40, 30), np.uint16), photometric="minisblack")
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    first, lost = open_frames(path)
-    assert first.pixels is not None
-    assert "damaged after 1 pages, those that follow are lost" in lost.reason
-
-
 @pytest.mark.parametrize(
     ("numbers", "found"),
     [
@@ -206,12 +197,6 @@ def test_numbers_of_file_names_tell_missing_frames(tmp_path, numbers, found):
     for number in numbers:
         Image.new("L", (4, 4)).save(tmp_path / f"press2_{number}.png")
     assert open_frames(tmp_path).numbers == found
-
-
-def test_frames_without_numbers_have_none(tmp_path):
-    for name in ("0a", "1b", "2b", "3b", "4b", "9b"):
-        Image.new("L", (4, 4)).save(tmp_path / f"{name}.png")
-    assert open_frames(tmp_path).skipped is None
 
 
 def test_a_clock_follows_the_numbers_of_file_names(tmp_path):

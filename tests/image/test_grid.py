@@ -7,7 +7,7 @@ import pytest
 from benchmarks.truth.grids import Scene
 
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image import measure_coin, measure_grid
+from fingerpad.image import measure_grid
 
 POINTS, SPACING = (7, 9), 4.0
 SCENES = {
@@ -59,19 +59,6 @@ def test_rectified_pictures_have_one_scale_everywhere() -> None:
     assert again.flags == ()
 
 
-def test_a_coin_is_round_again_once_its_picture_is_rectified() -> None:
-    scene = Scene(tilt=0.35, turn=1.0)
-    board = scene.picture(POINTS, SPACING, "checkerboard")
-    rows, columns = np.indices(board.shape).astype(float)
-    x, y = scene.plane_of(rows, columns)
-    picture = np.where(np.hypot(x - 2, y + 1) < 11, 60, 210).astype(np.uint8)
-    seen, scale = measure_grid(board, POINTS, SPACING).rectified(picture)
-    seen[seen == 0] = 210  # beyond the picture
-    coin = measure_coin(seen)
-    assert coin.semi_minor == pytest.approx(coin.semi_major, rel=5e-3)
-    assert coin.semi_major * scale.mm_per_px == pytest.approx(11, rel=5e-3)
-
-
 def test_uncertainty_covers_spacing_noise_tilt_and_lens() -> None:
     rng = np.random.default_rng(5)
     errors = []
@@ -114,11 +101,3 @@ def test_refused(points: tuple[int, int], spacing: float, words: str) -> None:
         measure_grid(
             Scene(rows=240, columns=320, focal=700).picture(POINTS, SPACING, "checkerboard"), points, spacing
         )
-
-
-def test_pictures_without_a_grid() -> None:
-    for empty in (np.zeros((60, 80), np.uint8), np.random.default_rng(1).integers(0, 255, (200, 200))):
-        with pytest.raises(CalibrationError, match="no grid of"):
-            measure_grid(empty, POINTS, SPACING)
-    with pytest.raises(CalibrationError, match="must be grey"):
-        measure_grid(np.zeros((5, 5, 3)), POINTS, SPACING)

@@ -1,7 +1,6 @@
 """Overlays of contacts and of photographs: what is drawn lies where it was measured."""
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,15 +8,8 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    Scale,
-    draw_overlay,
-    measure_contact_image,
-    measure_photograph,
-    overlay,
-    write_overlay,
-)
-from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR, write_text
+from fingerpad.image import Scale, draw_overlay, measure_contact_image, measure_photograph, write_overlay
+from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR
 from fingerpad.simulate import render_contact_image, render_finger
 
 
@@ -87,32 +79,6 @@ def test_label_in_corner(made, within):
     assert (changed.max(axis=0) < within).all()
 
 
-def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
-    written = []
-
-    def write(canvas, text, corner, width, colour=overlay.INK):
-        written.append(text)
-        write_text(canvas, text, corner, width, colour)
-
-    monkeypatch.setattr(overlay, "write_text", write)
-    truth, found = photograph()
-    canvas = draw_overlay(np.zeros_like(truth.pixels), replace(found, flags=frozenset({"not_an_ellipse"})))
-    assert "not an ellipse" in written
-    assert not any("_" in text for text in written)
-    assert sum(" mm" in text and ("±" in text) == (not overlay._ASCII) for text in written) == 2
-    # Letters of the first line are at least 7 px high where the picture is 300 px wide.
-    rows = np.flatnonzero(near(canvas[: overlay._LINE_PX + 4], overlay.INK, 40).any(axis=1))
-    assert np.ptp(rows) * 300 / canvas.shape[1] >= 7
-
-
-@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
-def test_overlay_independent_of_depth(dtype):
-    truth, found = contact()
-    deep = truth.pixels.astype(dtype) * 257
-    off = draw_overlay(deep, found).astype(int) - draw_overlay(truth.pixels, found)
-    assert np.abs(off).mean() < 8
-
-
 @both
 def test_written_file_equals_drawing(tmp_path, made):
     truth, found = made()
@@ -129,9 +95,3 @@ def test_other_picture_refused(made):
     truth, found = made()
     with pytest.raises(ImageError, match=r"shape|the photograph that was measured"):
         draw_overlay(truth.pixels[:150], found)
-
-
-def test_scale_of_a_small_contact():
-    small = render_contact_image(semi_major=1.2, semi_minor=1.0, ppi=300, seed=2)
-    # The pixels inside the outline differ from its area by as much as their number is small.
-    assert measure_contact_image(small.pixels, Scale.of_ppi(300)).mm_per_px == Scale.of_ppi(300).mm_per_px

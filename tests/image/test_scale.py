@@ -33,12 +33,6 @@ def test_length_of_a_line_between_other_places():
     assert scale.ppi == pytest.approx(254.0)
 
 
-def test_line_end_uncertainty():
-    careful = Scale.of_line(10, (0, 0), (0, 100), point_px_std=0.1)
-    careless = Scale.of_line(10, (0, 0), (0, 100), point_px_std=1.0)
-    assert careless.relative_std == pytest.approx(10 * careful.relative_std)
-
-
 @pytest.mark.parametrize("bad", [0, -1, math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize(
     "make",

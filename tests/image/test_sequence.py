@@ -13,11 +13,9 @@ from fingerpad.image import (
     Frame,
     FrameRate,
     FrameResult,
-    FrameStamps,
     Scale,
     estimate_settings,
     frame_clock,
-    measure_contact_image,
     measure_sequence,
     open_frames,
     scan_texture,
@@ -109,14 +107,6 @@ def test_first_contact_and_summary(results, signal):
     assert summary.notes == ()
 
 
-def test_clock_from_first_contact(frames, settings, signal):
-    clock = frame_clock(FPS, signal, contact_load=0.1)
-    times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings)]
-    # Late by the ridges needed to see a contact, and by up to a frame.
-    np.testing.assert_allclose(times, TIME, atol=1.5 / FPS)
-    np.testing.assert_allclose(np.diff(times), 1 / FPS)
-
-
 def test_pictures_contradicting_force(results, signal):
     assert sequence_summary(results, signal).notes == ()
     late = [replace(result, load=4.0 - result.load) for result in results]
@@ -124,22 +114,6 @@ def test_pictures_contradicting_force(results, signal):
     for wrong in (late, slow):
         *_, note = sequence_summary(wrong, signal).notes
         assert "area and force do not rise and fall together" in note
-
-
-def test_a_long_hold_is_in_step(results, signal):
-    contacts = [result for result in results if result.measures]
-    rng, top = np.random.default_rng(2), max(contacts, key=lambda result: result.load)
-    hold = [
-        replace(
-            top,
-            index=100 + k,
-            time=signal.span[1] - 1e-3 * (300 - k),
-            load=top.load + rng.normal(0, 0.004),
-            measures={"gross_area_mm2": top.measures["gross_area_mm2"] * (1 + 1e-4 * k)},
-        )
-        for k in range(300)
-    ]
-    assert sequence_summary(contacts[:12] + hold, signal).flags == ()
 
 
 def test_contact_without_force_is_noted(results, signal):
@@ -191,20 +165,6 @@ def test_short_force_flagged(frames, settings, signal):
     assert "28 of 49 frames" in note
 
 
-def test_a_force_in_another_unit_of_time_is_noted(results, signal):
-    contacts = [result for result in results if result.measures][:6]  # too few to compare area and force
-    assert sequence_summary(contacts, signal).notes == ()
-    slow = ForceSignal(1000 * signal.time, signal.load)
-    note, *_ = sequence_summary([replace(one, load=slow.load_at(one.time)) for one in contacts], slow).notes
-    assert note.startswith("the force lasts 4199 s and the frames 0.25 s: is one of their times in another")
-
-
-def test_missing_stamps_flagged(frames, settings, signal):
-    clock = FrameStamps(TIME[:40])
-    stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
-    assert [r.index for r in stamped if "no_time" in r.flags] == list(range(40, 49))
-
-
 def test_unreadable_frames_have_reason(frames, settings):
     class Damaged:
         def __iter__(self):
@@ -247,17 +207,6 @@ def test_border_looked_for_in_key_frames(press, frames, settings):
     assert "touches_border" in next(measure_sequence([cut], SCALE, settings=look)).flags
 
 
-@pytest.mark.parametrize("look", ["ink", "prism"])
-def test_flicker_does_not_move_edge(look):
-    press = render_sequence([2.0] * 6, look=look, flicker=0.1, seed=21)
-    frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(6)]
-    measures = [result.measures for result in measure_sequence(frames, SCALE)]
-    gross, ridge = (np.array([m[f"{name}_area_mm2"] for m in measures]) for name in ("gross", "ridge"))
-    assert abs(gross.mean() / press.gross_area[0] - 1) < 0.015
-    assert gross.std() / gross.mean() < 0.001
-    assert ridge.std() / ridge.mean() < 0.01
-
-
 def test_faint_contact_refused(press, frames, settings):
     whole = press.pixels(30)
     ground = np.median(whole)
@@ -270,26 +219,10 @@ def test_faint_contact_refused(press, frames, settings):
     assert kept.measures["gross_area_mm2"] == pytest.approx(press.gross_area[30], rel=0.01)
 
 
-def test_noise_is_no_contact():
-    noisy = render_sequence([0.0, 2.0], noise_std=30, seed=3)
-    settings = estimate_settings([Frame(index=1, pixels=noisy.pixels(1))], SCALE)
-    with pytest.raises(ImageError, match="no contact found"):
-        measure_contact_image(noisy.pixels(0), SCALE, **settings.settings)
-
-
 def test_first_contact_persists(press):
     order = [0, 0, 30, 0, 0, 28, 29, 30, 31]
     frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate(order)]
     assert sequence_summary(measure_sequence(frames, SCALE)).first_contact == 5
-
-
-def test_overexposed_empty_frame():
-    # Clipped noise leaves specks that, measured by themselves, pass for a small contact.
-    press = render_sequence([0.0] * 178 + [0.0, 2.0], flicker=0.02, seed=3)
-    frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate((178, 179, 179, 179))]
-    empty, *others = measure_sequence(frames, SCALE)
-    assert empty.measures is None
-    assert all(other.measures is not None for other in others)
 
 
 @pytest.mark.parametrize(
@@ -304,12 +237,6 @@ def test_overexposed_empty_frame():
 def test_sequence_without_contact_refused(frames, words):
     with pytest.raises(ImageError, match=words):
         list(measure_sequence(frames, SCALE))
-
-
-@pytest.mark.parametrize("bad", [{"load": [-1.0]}, {"load": [math.nan]}, {"load": [1.0], "radii": (5, 9)}])
-def test_invalid_presses(bad):
-    with pytest.raises(ValueError, match="load|radius"):
-        render_sequence(**bad)
 
 
 def test_texture_beside_the_mask_and_of_the_background_is_no_contact():

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 from tests.studies import contact, curve, finger, write_curve, write_study
 
-from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write, write_report
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
@@ -161,10 +160,3 @@ def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path):
     assert {name: (out / name).read_bytes() for name in result_files(out)} == before
     assert set(run(tmp_path, thumb_mm=6.2)).isdisjoint(drawn)
     assert pages(out).keys() == set(FINGERS)
-
-
-def test_unwritable_folder(finished):
-    shutil.rmtree(finished / "out" / "report")
-    (finished / "out" / "report").write_text("in the way")
-    with pytest.raises(FingerpadError, match="report"):
-        run(finished)

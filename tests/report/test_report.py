@@ -357,13 +357,6 @@ def test_both_theories_side_by_side(report):
         assert found[4].startswith("thickness ")
 
 
-def test_the_mean_and_the_measured_radius(report):
-    _, text = report
-    assert "on 8.0 ± 1.5 mm" in text
-    assert cells(text, "Young's modulus E from load and area (kPa)", "mean of 2 contacts")
-    assert "19.70 ± 0.40" in cells(text, "Rg measured (mm)", "loading data")
-
-
 def test_a_contact_out_of_range_is_named(report):
     _, text = report
     assert "wide is out of the range of the laws: the contact is wider than 0.6 of the pad" in text

@@ -8,13 +8,12 @@ import cv2
 import numpy as np
 import pytest
 from benchmarks.truth.grids import Scene
-from PIL import Image, ImageSequence
+from PIL import Image
 from tests.studies import PAD, Table, append_tables, finger
-from tests.web.conftest import client_of, serving
+from tests.web.conftest import serving
 from tests.web.test_files import upload
 
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.simulate import render_coin
 from fingerpad.web import study_session
 from fingerpad.web.workspace import Workspace
 
@@ -122,14 +121,6 @@ def test_an_unchanged_ellipse_changes_nothing(standing):
     assert again["automatic"]["semi_major_mm"]["value"] == before
 
 
-def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
-    row, column = measured(standing)["handles_px"][0]
-    bite = {"action": "remove", "points_px": [[row - 100, column]], "radius_px": 30}
-    one = measured(standing, change={"strokes": [bite]})
-    assert one["numbers"]["gross_area_mm2"]["value"] < one["automatic"]["gross_area_mm2"]["value"]
-    assert measured(standing)["by"] == "automatic"  # nothing was stored
-
-
 def test_a_step_of_a_drag_checks_no_result_file(done, monkeypatch):
     assert done.ask("state")["results"]["there"]  # checked once for each result set
     checks = []
@@ -137,12 +128,6 @@ def test_a_step_of_a_drag_checks_no_result_file(done, monkeypatch):
     answer = done.tell("measure/contact", item=PRINT, change={"threshold": 100})
     assert answer["model"]["verdicts"]
     assert not checks
-
-
-def test_the_wrong_polarity_is_refused_with_a_hint(standing):
-    answer = standing.study_post("measure/contact", item=PRINT, change={"seed_px": [1, 1]})
-    assert answer.status_code == 422
-    assert "no contact found at seed" in answer.json()["error"]
 
 
 def test_an_unused_file_is_measured_with_a_scale(standing):
@@ -174,46 +159,6 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     along[0] -= 20
     longer = measured(standing, PHOTO, "photograph", handles_px=[centre, across, along], with_finger=True)
     assert axes_of(longer["finger"])["distal"] > axes_of(one["finger"])["distal"]
-
-
-def test_handles_may_be_turned_but_are_near_the_picture(standing):
-    one = measured(standing, PHOTO, "photograph")
-    centre, across, along = np.array(one["handles_px"])
-    turned = [centre.tolist(), *(2 * centre - [across, along]).tolist()]
-    again = measured(standing, PHOTO, "photograph", handles_px=turned)
-    assert axes_of(again) == pytest.approx(axes_of(one))
-    assert again["ellipse_px"]["tilt_deg"] == pytest.approx(one["ellipse_px"]["tilt_deg"], abs=1e-6)
-    far = [[0, 0], [0, 9e5], [9e5, 0]]
-    answer = standing.study_post("measure/photograph", item=PHOTO, handles_px=far)
-    assert answer.status_code == 422
-    assert "semi_axes" in answer.json()["error"]
-
-
-def test_erased_points_are_left_out(standing):
-    one = measured(standing, PHOTO, "photograph")
-    rubber = {"points_px": [one["points_px"][0]], "radius_px": 25}
-    fewer = measured(standing, PHOTO, "photograph", change={"erased": [rubber]})
-    assert len(fewer["points_px"]) < len(one["points_px"])
-    assert fewer["by"] == "corrected"
-
-
-def test_scales_of_all_types(standing):
-    found = lambda table: standing.tell("measure/scale", table=table)  # noqa: E731
-    assert found({"ppi": 254})["mm_per_px"]["value"] == pytest.approx(0.1)
-    assert found("reader")["resolution_ppi"]["value"] == pytest.approx(500)
-    line = found({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_px_std": 1})
-    assert line["mm_per_px"]["value"] == pytest.approx(0.1)
-    assert line["relative_std"] == pytest.approx(math.sqrt(2) / 500)
-
-
-def test_a_coin_is_a_scale(client):
-    coin = render_coin(radius=120, seed=3)
-    file = upload(client, "coin.png", cv2.imencode(".png", coin.pixels)[1].tobytes()).json()["file"]
-    found = client.tell("measure/scale", table={"coin": file, "diameter_mm": 24.0})
-    assert found["radius_px"]["value"] == pytest.approx(120, rel=0.01)
-    outline = np.array(found["outline_px"])
-    np.testing.assert_allclose(np.linalg.norm(outline - coin.centre, axis=1), 120, rtol=0.01)
-    assert found["mm_per_px"]["value"] == pytest.approx(0.1, rel=0.01)
 
 
 def test_a_length_has_its_uncertainty(standing):
@@ -261,15 +206,6 @@ def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
         assert answer.status_code == 422
         assert force in answer.json()["error"]
         assert message in answer.json()["error"]
-
-
-def test_the_audit_of_the_published_tables_needs_no_study(standing):
-    items = standing.get("/api/published").json()
-    assert {item["verdict"] for item in items} == {
-        "reproduced",
-        "reproduced with the known misprint",
-        "not reproducible from what is printed",
-    }
 
 
 def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
@@ -404,14 +340,6 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     assert client.get(f"{of}/state").json()["digest"] == state["digest"]
 
 
-def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
-    manifest = studies_folder / "demo/study.toml"
-    manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
-    state = client.ask("state")
-    assert not state["ready"]
-    assert any("poisson_ratio" in one["words"] for one in state["missing"])
-
-
 def test_several_studies_are_open_at_once(client, studies_folder):
     name = "übung"
     shutil.copytree(studies_folder / "demo", studies_folder / name)
@@ -454,31 +382,3 @@ def test_what_is_saved_while_it_is_read_is_read_again(studies_folder, monkeypatc
     opened = Workspace(studies_folder).open_folder(folder)
     opened.read()
     assert opened.read().digest == load(folder / "study.toml").digest
-
-
-@pytest.mark.nightly
-def test_a_frame_is_measured_with_settings_of_the_frames_as_they_are(studies_folder):
-    """Frames that are written over in place change neither the folder nor the frame that is looked at."""
-    folder = studies_folder / "demo"
-    stack = folder / "synthetic" / "synthetic_press_30deg.tif"
-    with Image.open(stack) as pages:
-        frames = [np.asarray(page).copy() for page in ImageSequence.Iterator(pages)]
-    (folder / "frames").mkdir()
-    manifest = folder / "study.toml"
-    manifest.write_text(manifest.read_text().replace('"synthetic/synthetic_press_30deg.tif"', '"frames"'))
-
-    def save(change):
-        for number, pixels in enumerate(frames):
-            shown = pixels if number == 12 else change(pixels)
-            Image.fromarray(shown).save(folder / "frames" / f"{number:03d}.png")
-
-    def numbers_of(study):
-        with client_of(study) as client:
-            return measured(client, "synthetic_press_30deg#12")["numbers"]
-
-    save(lambda pixels: pixels)
-    before = numbers_of(folder)
-    save(lambda pixels: (128 + (pixels.astype(float) - 128) / 4).astype(np.uint8))
-    after = numbers_of(folder)
-    copied = shutil.copytree(folder, studies_folder / "other" / "demo")
-    assert after == numbers_of(copied) != before

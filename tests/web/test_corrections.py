@@ -1,10 +1,8 @@
 """Corrections: none is lost by concurrent pages or a killed server."""
 
-import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from tests.waiting import wait_until
 from tests.web.conftest import Client
 
 PRINT = "synthetic_30deg_2N"
@@ -62,17 +60,6 @@ def test_the_state_shows_reviews(client):
     assert [frame["frame"] for frame in frames if frame["rejected"]] == [12]
 
 
-def test_two_pages_do_not_lose_each_others_corrections(client):
-    changes = [{"threshold": level} for level in (40.0, 50.0)]
-    assert correct(client, PRINT, 0, changes[0], "ada").status_code == 201
-    late = correct(client, PRINT, 0, changes[1], "bob")
-    assert late.status_code == 409
-    assert "ada" in late.json()["error"]
-    again = correct(client, PRINT, now(client, PRINT)["last_id"], changes[1], "bob")
-    assert again.status_code == 201
-    assert [record["change"] for record in again.json()["history"]] == changes
-
-
 def test_a_replaced_image_is_reported_until_it_is_reviewed(client, studies_folder):
     last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
     assert now(client, PRINT)["on_another_image"] is False
@@ -106,24 +93,6 @@ def test_concurrent_corrections_are_saved_or_refused(client):
     assert len(history) == 24
     assert sorted((one["who"], one["change"]["threshold"]) for one in history) == sorted(confirmed)
     assert conflicts  # they did meet
-
-
-def test_corrections_are_sent_to_other_pages(client):
-    heard = []
-
-    def listen():
-        with client.stream("GET", "/api/studies/demo/events") as answer:
-            for line in answer.iter_lines():
-                heard.append(line)
-                if line.startswith("data"):
-                    return
-
-    listener = threading.Thread(target=listen)
-    listener.start()
-    assert wait_until(lambda: heard)
-    last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
-    listener.join(10)
-    assert heard[-2:] == ["event: corrections", f'data: {{"item": "{PRINT}", "last_id": {last}}}']
 
 
 def test_settings_apply_to_other_images_of_the_finger_and_device(client):

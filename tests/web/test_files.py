@@ -14,7 +14,6 @@ import pytest
 import tifffile
 from tests.web.conftest import client_of, serving
 
-from fingerpad.study.imports.identify import kind_of_file
 from fingerpad.web.workspace import Workspace
 
 
@@ -278,8 +277,3 @@ def test_a_zip_takes_no_others_place(client):
     assert bring(client, with_study(), "demo").status_code == 409
     assert bring(client, with_study(), "new").status_code == 201
     assert bring(client, zipped(**{"top/study.toml": STUDY}), "second").json()["title"] == "t"
-
-
-def test_kind_of_a_file_by_its_name():
-    kinds = [kind_of_file(name) for name in ("a.PNG", "a.csv", "a.avi", "a.txt")]
-    assert kinds == ["picture", "table", "sequence", "other"]

@@ -298,19 +298,6 @@ def test_rows_without_the_value_come_last_whichever_way_they_are_sorted(done, ke
     assert values == sorted(known, reverse=falling) + [None] * (len(values) - len(known))
 
 
-def test_plots_hold_each_row_once_and_their_lines(done):
-    groups = done.ask("results/plot")
-    every = rows(done, limit=2000)["rows"]
-    placed = [row["item"] for row in every if row["radius_from_indentation_mm"] is not None]
-    assert sorted(item for group in groups for item in group["items"]) == sorted(placed)
-    named = {(group["finger"], group["wedge_angle_deg"]["value"]): group for group in groups}
-    table = named["left_index_ellipse", 30]
-    assert table["loading_radius_mm"]["value"] == 20.5  # Table 4, as the manifest gives it
-    assert table["mean_curvature_radius_mm"]["value"] == pytest.approx(13.608, abs=1e-3)
-    (point,) = table["points"]["radius_from_indentation_mm"]
-    assert point["value"] == pytest.approx(table["radius_from_indentation_mm"]["value"])
-
-
 def test_the_budget_adds_up(done):
     for group in done.ask("results/budget"):
         assert sum(group["check"]["shares"].values()) == pytest.approx(1, abs=0.02)
@@ -366,16 +353,6 @@ def test_pages_of_fingers_stand_beside_the_report(finished_client, finished):
     assert "default-src 'none'" in answer.headers["content-security-policy"]
 
 
-def test_fingers_and_frames_are_known_after_a_run(done):
-    finger = done.ask("state")["fingers"][2]
-    assert finger["semi_axes_mm"]["palmar"]["value"] == pytest.approx(7.9, rel=0.02)
-    assert done.tell("geometry", finger="synthetic_pad")["mean_curvature_radius_mm"]["std"] > 0
-    live = done.tell("measure/contact", item="synthetic_press_30deg#12")
-    assert live["model"]["numbers"]["load_N"]["value"] > 0
-    row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
-    assert live["numbers"]["gross_area_mm2"]["value"] == pytest.approx(row["gross_area_mm2"]["value"])
-
-
 def test_signal_of_a_sequence_agrees_with_its_frames(done):
     signal = done.ask("signal", sequence="synthetic_press_30deg")
     frames = done.ask("frames", sequence="synthetic_press_30deg")["frames"]
@@ -385,36 +362,6 @@ def test_signal_of_a_sequence_agrees_with_its_frames(done):
     assert max(signal["load_N"]) == pytest.approx(2, rel=0.02)
     best = np.argmin([one if one is not None else np.inf for one in signal["area_scatter"]])
     assert signal["shift_s"][best] == pytest.approx(0, abs=0.01)
-
-
-def test_inconsistent_results_are_named(finished_client, finished):
-    other = (finished / "results" / "results.csv").read_bytes()
-    (finished / "results" / "results.csv").write_bytes(other[: len(other) // 2])
-    results = finished_client.ask("state")["results"]
-    assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
-    assert not results["there"]
-    for route in ("rows", "plot", "figures"):
-        answer = finished_client.study_get(f"results/{route}")
-        assert answer.status_code == 409
-        assert "results.csv: is not the file" in answer.json()["error"]
-    run_of(finished_client)
-    results = finished_client.ask("state")["results"]
-    assert (results["faults"], results["there"]) == ([], True)
-
-
-def test_the_state_does_not_check_the_results_again(done, monkeypatch):
-    """Whatever the number of fingers and sequences, whose state is from them."""
-    before = done.ask("state")
-    connect, connected = sqlite3.connect, []
-
-    def counted(*args, **options):
-        connected.append(args)
-        return connect(*args, **options)
-
-    monkeypatch.setattr(sqlite3, "connect", counted)
-    assert done.ask("state") == before
-    assert before["results"]["there"]
-    assert len(connected) == 1  # for the state of each item
 
 
 def test_a_file_that_was_changed_or_lost_after_the_run_is_named(finished_client, finished):

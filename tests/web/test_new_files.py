@@ -35,13 +35,6 @@ def test_a_workbook_is_kept_and_joined(client) -> None:
     assert joined["files_without_row"] == files[1:]
 
 
-def test_a_damaged_workbook_is_refused_and_not_kept(client, studies_folder) -> None:
-    answer = upload(client, "details.xlsx", b"PK\3\4 nothing")
-    assert answer.status_code == 422
-    assert "no XLSX workbook" in answer.json()["error"]
-    assert not (studies_folder / "demo/uploads/details.xlsx").exists()
-
-
 @pytest.mark.parametrize(
     ("path", "body", "words"),
     [
@@ -54,15 +47,6 @@ def test_refusals_say_why(client, path: str, body: dict, words: str) -> None:
     answer = client.study_post(f"files/{path}", **body)
     assert answer.status_code == 422
     assert words in answer.json()["error"]
-
-
-def test_pattern(client) -> None:
-    upload(client, "S1_LI_30deg_500mN.png", png())
-    files = ["uploads/S1_LI_30deg_500mN.png", "uploads/x.png"]
-    body = {"pattern": "S{person}_{finger}_{wedge}deg_{load}mN", "files": [{"file": file} for file in files]}
-    fit, other = client.tell("files/pattern", **body)
-    assert (fit["values"]["finger"], fit["values"]["load_N"], fit["problem"]) == ("1_left_index", 0.5, "")
-    assert other["problem"] == "does not fit the pattern"
 
 
 def test_edits_are_proposed_and_can_be_made(client) -> None:
@@ -78,8 +62,3 @@ def test_edits_are_proposed_and_can_be_made(client) -> None:
     state = client.study_post("edits", **body).raise_for_status().json()
     contact = next(one for one in state["observations"] if one["file"] == file)
     assert (contact["scale"], contact["scale_words"]) == ({"ppi": 500}, "500 ppi")
-
-
-def test_a_scale_that_could_be_two_is_refused(client) -> None:
-    answer = client.study_get("files/scale", words="1,234 ppi")
-    assert (answer.status_code, "write it as 500 ppi" in answer.json()["error"]) == (422, True)

@@ -1,114 +1,15 @@
 """Every number that the page is sent has the unit that its key says, as the tables of results have it."""
 
 import math
-import re
-from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import pytest
 
 from fingerpad.study.results.table import COLUMNS, GLOSSARY
-from fingerpad.web.answers import UNITS as WRITTEN
 from fingerpad.web.answers import Answer, Quantity, semi_axes
 from fingerpad.web.api.results import _label
 
 CONTACT = "synthetic_30deg_2N"
-PHOTOGRAPH = "synthetic_pad/synthetic/photograph_palmar.jpg"
-# What the page shows a key's unit by: the longest ending counts.
-UNITS = {
-    "mm_per_px": "mm/px",
-    "_mm2": "mm2",
-    "_mm": "mm",
-    "_kpa": "kPa",
-    "_deg": "deg",
-    "_px": "px",
-    "_ppi": "ppi",
-    "_N": "N",
-    "_s": "s",
-}
-# Pure numbers and counts, and what holds numbers that follow units of their own.
-PURE = {
-    "aspect_ratio", "bits", "bytes", "chi_square", "columns_px", "contact_radius_ratio",
-    "degrees_of_freedom", "exponent_std", "relative_difference", "draws", "between_relative_std",
-    "ellipse_iou", "frame", "frames", "id", "indentation_over_thickness", "last_id",
-    "load_gain_relative_std", "load_relative_std", "matching", "milliseconds", "orientation", "p_value",
-    "poisson_ratio", "poisson_ratio_std", "predicted_aspect_ratio", "relative_std", "rows", "rows_px",
-    "shares", "pooled", "total", "threshold", "version", "used_by", "corrected", "rejected", "reviewed",
-    "contacts", "contacts_pooled", "contacts_rejected", "frames_pooled", "scale", "frames_per_second",
-    "flags", "missing", "history",
-    "exponent",  # of a superellipse
-    "deviations",  # in standard uncertainties
-    "difference",  # relative
-    "disagreements",  # relative differences, shown in percent
-    "table",  # as the manifest states it, under its own keys
-} | {"normal", "principal_directions", "range_notes", "wedge_faces", "counts", "run", "limits"}  # fmt: skip
-RELATIVE = {"disagreements", "shares"}
-# Of a unit that an item beside them names, or that stands in the sentence beside them.
-NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"} | {
-    *("reference", "reference_std", "value_std", "interval", "simulated_interval", "simulated_std")
-}
-IN_PIXELS = {"ellipse_px", "semi_axes", "centre"}
-
-
-def numbers(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], float]]:
-    if isinstance(value, dict):
-        for key, part in value.items():
-            yield from numbers(part, (*path, key))
-    elif isinstance(value, list):
-        for part in value:
-            yield from numbers(part, path)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield path, value
-
-
-def unit_of(key: str) -> str | None:
-    """The unit that a key ends with; `_std` and its kin are in that of their quantity."""
-    stem = re.sub(r"(_noise|_edge|_fixed_geometry|_repeatability|_model|_total)?(_std)?$", "", key)
-    return next((unit for ending, unit in UNITS.items() if stem.endswith(ending)), None)
-
-
-def answers(client: Any) -> Iterator[tuple[str, Any]]:
-    for path in (
-        "/api/studies/demo/state",
-        "/api/studies/demo/frames?sequence=synthetic_press_30deg",
-        "/api/studies/demo/results/rows",
-        "/api/studies/demo/results/plot",
-        "/api/studies/demo/results/budget",
-        "/api/published",
-        f"/api/studies/demo/picture/info?item={CONTACT}",
-        f"/api/studies/demo/corrections?item={CONTACT}",
-    ):
-        yield path, client.get(path).raise_for_status().json()
-    for path, body in (
-        ("/api/studies/demo/measure/contact", {"item": CONTACT, "change": {"threshold": 100}}),
-        ("/api/studies/demo/measure/photograph", {"item": PHOTOGRAPH, "with_finger": True}),
-        ("/api/studies/demo/measure/scale", {"table": {"ppi": 500}}),
-        ("/api/studies/demo/measure/length", {"scale": {"ppi": 500}, "line_px": [[0, 0], [0, 100]]}),
-        ("/api/studies/demo/geometry", {"finger": "synthetic_pad"}),
-    ):
-        yield path, client.post(path, json=body).raise_for_status().json()
-
-
-def test_every_number_has_the_unit_of_its_column(done):
-    """By the key itself or by one that holds it, as semi_axes_mm; nothing is left without."""
-    nameless = set()
-    for source, answer in answers(done):
-        for found, _ in numbers(answer):
-            # A quantity is in the unit of its key.
-            is_quantity = found[-1] in {"value", "std"} and found[-2] != "check"
-            path = found[:-1] if is_quantity else found
-            key = path[-1]
-            units = [unit for each in reversed(path) if (unit := unit_of(each)) is not None]
-            if key in COLUMNS and COLUMNS[key].unit == "1":
-                assert unit_of(key) is None, (source, path)
-            elif key in COLUMNS and COLUMNS[key].unit:
-                assert units[:1] == [COLUMNS[key].unit], (source, path)
-            if not units and {*path}.isdisjoint(PURE | NAMED_BESIDE | IN_PIXELS):
-                nameless.add(f"{source}: {'.'.join(path)}")
-            if not {*path}.isdisjoint(RELATIVE):
-                assert not units, (source, path)
-    assert sorted(nameless) == []  # name them by their endings, or list them above
 
 
 def test_numbers_are_those_of_the_tables(done):
@@ -135,18 +36,6 @@ def test_numbers_are_those_of_the_tables(done):
         for part in ("value", "std"):
             stated = rows[CONTACT][key][part]
             assert found[key][part] == (stated and pytest.approx(stated, rel=1e-3, abs=1e-6)), key
-
-
-def test_words_have_those_units():
-    """Numbers in words and headers of the table name the unit of their key."""
-    written = {"mm²": "mm2", "°": "deg"}
-    said = {key: written.get(unit, unit) for key, unit in WRITTEN.items() if key != "_per_mm"}
-    assert said == UNITS
-    for column in (one for name, one in COLUMNS.items() if not name.endswith("_std")):
-        unit = _label(column.name).partition(", ")[2]
-        assert written.get(unit, unit).lower() == ("" if column.unit == "1" else column.unit.lower()), (
-            column.name
-        )
 
 
 def test_quantities_in_words():
@@ -184,3 +73,10 @@ def test_symbols_are_those_of_their_columns():
         if meaning.column:
             unit = COLUMNS[meaning.column].unit
             assert written.get(meaning.unit, meaning.unit) == unit, symbol
+
+
+def test_headers_name_the_unit_of_their_column():
+    written = {"mm²": "mm2", "°": "deg", "": "1"}
+    for column in (one for name, one in COLUMNS.items() if not name.endswith("_std")):
+        unit = _label(column.name).partition(", ")[2]
+        assert written.get(unit, unit).lower() == (column.unit or "1").lower(), column.name

@@ -24,8 +24,6 @@ from fingerpad.web.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
-REAL = ROOT.parent / "shared" / "data"
-PRINTS = REAL / "nist_nbis_livescan_slaps"
 PATIENCE_MS = 60_000  # test machines may be slow
 expect.set_options(timeout=PATIENCE_MS)
 

@@ -4,8 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
-from playwright.sync_api import Route, expect
-from tests.end_to_end.page.browser import Tab, middle, numbers, require_picture, stroke, unexplained
+from playwright.sync_api import expect
+from tests.end_to_end.page.browser import Tab, numbers, unexplained
 
 from fingerpad.study.results.table import GLOSSARY
 
@@ -48,40 +48,6 @@ def test_pad_and_contact_take_the_semi_axes_of_the_photographs(example_tab: Tab)
     expect(page.locator(".pad-scene")).to_be_hidden()
 
 
-@pytest.mark.nightly
-def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> None:
-    example_tab.expected.append("422")  # it shows no coin
-    page = example_tab.open("scale")
-    page.get_by_role("button", name="+ New scale").click()
-    page.get_by_role("radio", name="Ruler").click()
-    page.get_by_label("Image", exact=True).select_option("photograph_palmar.jpg")
-    require_picture(page)
-    x, y = middle(page.locator(".stage"))
-    stroke(page, (x - 100, y), (x + 100, y))
-    page.get_by_label("Length of the line").fill("20")
-    page.get_by_label("Length of the line").press("Enter")
-    page.locator(".scale-bar").wait_for()
-    page.get_by_label("Image", exact=True).select_option("contact_1N.png")
-    require_picture(page)
-    expect(page.locator(".scale-bar")).to_be_hidden()
-    page.get_by_role("radio", name="Coin").click()
-    page.get_by_label("Diameter").fill("24")
-    page.get_by_label("Diameter").press("Enter")
-    page.reload()
-    page.get_by_role("radio", name="Coin").and_(page.locator("[aria-checked=true]")).wait_for()
-    expect(page.get_by_label("Diameter")).to_have_value("24")
-    # A file that is a ruler or a coin stays one.
-    example_tab.go("study")
-    shutil.copy(example / "contact_1N.png", tmp_path / "my coin.png")
-    page.locator("input[type=file]").set_input_files([tmp_path / "my coin.png"])
-    kind = page.get_by_label("Type of my-coin.png")
-    kind.select_option("observation")
-    kind.select_option("")
-    page.reload()
-    kind.wait_for()
-    expect(kind).to_have_value("")
-
-
 def test_names_of_other_signs_are_refused_in_their_field(example_tab: Tab, example, tmp_path) -> None:
     page = example_tab.open("study")
     before = (example / "study.toml").read_text()
@@ -102,15 +68,3 @@ def test_names_of_other_signs_are_refused_in_their_field(example_tab: Tab, examp
     expect(finger).to_be_focused()
     assert finger.evaluate("field => field.matches(':invalid')")
     assert (example / "study.toml").read_text() == before
-    finger.fill("synthetic_pad")
-    # What is clicked twice is added once.
-    asked: list[Route] = []
-    page.route("**/files/edits*", lambda route: asked.append(route))  # noqa: PLW0108
-    add = page.get_by_role("button", name="Add to study")
-    add.evaluate("button => [1, 2].forEach(() => button.click())")
-    page.wait_for_timeout(300)
-    for each in asked:
-        each.continue_()
-        page.get_by_text("1 file added.").first.wait_for()
-    page.wait_for_timeout(300)
-    assert (example / "study.toml").read_text().count("a-print.png") == 1

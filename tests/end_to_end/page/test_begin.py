@@ -1,6 +1,5 @@
 """New studies: files, scale, run, export and import."""
 
-import math
 import re
 import shutil
 import tomllib
@@ -8,7 +7,6 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from tests.end_to_end.page.browser import (
     DEMO,
@@ -23,12 +21,6 @@ from tests.end_to_end.page.browser import (
     settle,
     stroke,
 )
-from tests.studies import PAD
-from tests.waiting import wait_until
-
-from fingerpad.contact import Tissue, hertz_contact
-from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.simulate import render_contact_image
 
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 
@@ -120,16 +112,6 @@ def require_plot_in_view(page) -> None:
     assert page.locator(".banner").inner_text().count("\n") >= 1  # two notes above it
     place = box(page.locator(".chart .xtitle"))
     assert place["y"] + place["height"] < page.viewport_size["height"]
-    page.get_by_label("Against load", exact=True).select_option("corrected radius")
-    legend = page.get_by_label("Legend").inner_text()
-    assert "compare with" not in legend  # there are no loading data
-    assert "on the layer" not in legend
-    circles, squares = (
-        page.locator(f".chart .scatterlayer .trace:nth-child({place}) .point") for place in (2, 1)
-    )
-    expect(circles).to_have_count(3)
-    expect(squares).to_have_count(3)
-    assert box(squares.first)["width"] > box(circles.first)["width"]
 
 
 def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
@@ -147,21 +129,6 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
         assert ("wedge_angle_deg_std" in manifest.read_text()) is bool(entered)
     expect(wedge).to_have_value("")
     expect(wedge).to_have_attribute("placeholder", "3 assumed")
-
-
-def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
-    page = empty_tab.open()
-    begin(page)
-    data = page.evaluate_handle(
-        "() => { const data = new DataTransfer();"
-        " const name = '../../curve <b>30deg</b>.csv';"
-        " data.items.add(new File(['force_N,displacement_mm\\n0,0\\n1,1\\n'], name)); return data }"
-    )
-    page.dispatch_event("#work", "drop", {"dataTransfer": data})
-    page.get_by_role("heading", name="1 new file").wait_for()
-    expect(page.locator(".new-files tbody b")).to_have_count(0)
-    (file,) = empty_tab.folder.rglob("*.csv")
-    assert file.parent == empty_tab.folder / "index-finger" / "uploads"
 
 
 def upload_print(page: Page, demo: Path, tmp_path: Path) -> Path:
@@ -206,23 +173,6 @@ def test_removed_file_is_restored_with_its_entries_and_run_once_it_is_complete(
     page.get_by_role("link", name="Run the study").wait_for()
 
 
-@pytest.mark.nightly
-def test_apparatus_is_stated_for_the_methods_section(tab: Tab, demo) -> None:
-    page = tab.open("study")
-    card = page.get_by_role("region", name="Apparatus")
-    card.get_by_text("for the methods section").click()
-    card.get_by_label("Force sensor").fill('a "six-axis" sensor')
-    card.get_by_label("Dwell before the image").fill("2.5")
-    card.get_by_label("Platen").click()
-    page.wait_for_function("() => document.querySelector('[aria-label=Apparatus] details').open")
-    stated = {"force_sensor": 'a "six-axis" sensor', "dwell_s": 2.5}
-
-    def kept() -> bool:
-        return stated.items() <= tomllib.loads((demo / "study.toml").read_text())["apparatus"].items()
-
-    assert wait_until(kept, 20)
-
-
 def test_wrong_value_is_refused_and_a_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     tab.expected.append("422")
     before = (demo / "study.toml").read_text()
@@ -248,36 +198,6 @@ def test_wrong_value_is_refused_and_a_finger_is_renamed_with_its_contacts(tab: T
     rows = (demo / "observations.csv").read_text()
     assert "left_index_ellipse" not in rows
     assert rows.count(",right_middle,") == 2
-
-
-def test_thickness_is_stated_and_the_layer_shown_beside_hertz_theory(tab: Tab, demo) -> None:
-    tab.expected.append("422")
-    page = tab.open()
-
-    def save(*words: str) -> None:
-        page.get_by_role("button", name="Thickness of synthetic_pad").click()
-        for field, entered in zip(("Effective thickness", "± (standard uncertainty)"), words, strict=False):
-            page.get_by_label(field).fill(entered)
-        page.get_by_role("button", name="Save").click()
-
-    def stated(shown: str) -> dict:
-        page.get_by_role("dialog").wait_for(state="detached")
-        page.get_by_role("row", name="synthetic_pad").first.get_by_text(re.compile(shown)).first.wait_for()
-        finger = tomllib.loads((demo / "study.toml").read_text())["fingers"][2]
-        return {key: value for key, value in finger.items() if "thickness" in key}
-
-    save("8", "1.5")
-    assert stated("8.0.±.1.5") == {"effective_thickness_mm": 8, "effective_thickness_mm_std": 1.5}
-    tab.go("contacts/images/synthetic_30deg_2N")
-    page.get_by_role("heading", name=re.compile("Model, 8.0.±.1.5 mm of tissue over bone")).wait_for()
-    text = page.locator("[data-live=layer]").inner_text()
-    assert re.search(r"E\s+\d+\S*.±.\S+ kPa", text), text
-    assert re.search(r"Rg\s+2\d\S*.±.\S+ mm", text), text
-    tab.go("study")
-    save("", "")
-    assert stated("Enter") == {}
-    save("800")
-    page.get_by_role("alert").get_by_text("effective_thickness_mm").first.wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
@@ -307,27 +227,6 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     assert "# Scales that several pictures share" in manifest
 
 
-def test_line_drawn_with_keys_alone(tab: Tab) -> None:
-    page = tab.open("scale")
-    page.get_by_role("button", name="+ New scale").press("Enter")
-    require_picture(page)
-    page.get_by_label("Name", exact=True).fill("card")
-    page.get_by_role("button", name="Save scale").click()
-    page.get_by_role("alert").get_by_text("Draw a line on the ruler.").wait_for()
-    page.locator(".stage").focus()
-    for key in ("Space", *["Shift+ArrowRight"] * 6, "Space"):
-        page.keyboard.press(key)
-    page.get_by_label("Line along").select_option("a bank card's long side, 85.60 mm")
-    card = float(numbers(page, "scale").split()[0])
-    expect(page.get_by_label("Length of the line")).to_have_value("85.6")
-    page.get_by_label("Length of the line").fill("10")
-    page.keyboard.press("Enter")
-    page.wait_for_function(
-        "half => parseFloat(document.querySelector('[data-live=scale]').innerText) < half", arg=card / 2
-    )
-    assert float(numbers(page, "scale").split()[0]) == pytest.approx(card * 10 / 85.6, rel=0.01)
-
-
 def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
     page = tab.open("run")
     run = page.locator(".run-status button.primary")
@@ -355,46 +254,3 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
-
-
-def test_area_against_load_of_six_prints_takes_at_most_20_actions(empty_tab: Tab, tmp_path) -> None:
-    """Cameras name pictures by number, the finger's semi-axes are not known, and loads are written down."""
-    page, taken = empty_tab.open(), 0
-
-    def act(do, *arguments) -> None:
-        nonlocal taken
-        taken += 1
-        do(*arguments)
-
-    loads = {f"IMG_{31 + number:04}.png": load for number, load in enumerate(("0,3", "0,5", *"1234"))}
-    for file, load in loads.items():
-        synthetic_print(float(load.replace(",", ".")), tmp_path / file)
-    act(page.get_by_label("Title").fill, "Prints")
-    act(page.keyboard.press, "Enter")
-    page.get_by_role("heading", name="Prints").wait_for()
-    act(page.set_input_files, "input[type=file][multiple]", sorted(tmp_path.glob("IMG_*.png")))
-    page.get_by_role("heading", name="6 new files").wait_for()
-    act(page.get_by_label("Finger of all new files").fill, "left_index")
-    act(page.get_by_label("Wedge angle of all new files, degrees").fill, "30")
-    act(page.get_by_label("Scale of all new contact images").fill, "500 ppi")
-    for file, load in loads.items():
-        act(page.get_by_label(f"Load of {file}, newtons").fill, load)
-    act(page.get_by_role("button", name="Add to study").click)
-    page.get_by_text("6 files added.").wait_for()
-    act(page.get_by_role("link", name="Run the study").click)
-    act(page.get_by_role("link", name="See the results").click)
-    page.locator(".chart .scatterlayer .point").first.wait_for()
-    expect(page.locator(".chart .ytitle")).to_contain_text("contact area")
-    expect(page.locator(".chart .scatterlayer .point")).to_have_count(6)
-    assert taken <= 20
-
-
-def synthetic_print(load: float, file: Path) -> None:
-    """Write a print of elliptical Hertz theory without a word of its scale."""
-    contact = hertz_contact(
-        Placement(Ellipsoid(**PAD), wedge_angle=math.radians(30)), Tissue(0.07), load=load
-    )
-    made = render_contact_image(
-        semi_major=float(contact.semi_major), semi_minor=float(contact.semi_minor), ppi=500, seed=1
-    )
-    Image.fromarray(made.pixels).save(file)

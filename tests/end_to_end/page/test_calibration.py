@@ -71,16 +71,3 @@ def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> Non
     tab.go("contacts/images/synthetic_30deg_2N")
     page.locator(".context", has_text="scale board_rectified").wait_for()
     assert (demo / "rectified" / "synthetic__synthetic_30deg_2N.png").is_file()
-
-
-def test_points_are_set_by_keyboard(tab: Tab, demo) -> None:
-    page = tab.open("scale")
-    new_scale(page, "Circle", "synthetic/synthetic_30deg_2N.png")
-    require_picture(page)
-    page.get_by_label("Diameter", exact=True).fill("12")
-    page.locator(".stage").focus()
-    for key in ("ArrowUp", "ArrowLeft", "ArrowDown"):
-        for _ in range(3):
-            page.keyboard.press(f"Shift+{key}")
-        page.keyboard.press("Space")
-    assert scale_of(numbers(page, "scale"))[0] > 0

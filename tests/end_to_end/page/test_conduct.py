@@ -1,27 +1,13 @@
 """Accessibility, speed, several windows, and a killed server."""
 
 import json
-import shutil
 import tomllib
 from importlib import resources
 
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import (
-    DEMO,
-    Late,
-    Tab,
-    changed,
-    drag,
-    focus,
-    lift,
-    middle,
-    moving,
-    numbers,
-    served,
-    settle,
-)
+from tests.end_to_end.page.browser import DEMO, Late, Tab, changed, drag, focus, numbers, served, settle
 from tests.studies import finger, sequence, write_numbers, write_study
 
 # Each step, and what stands there once it is drawn.
@@ -125,75 +111,6 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, demo) -> None
 
 
 @pytest.mark.nightly
-def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
-    tab.expected.append("422")
-    shutil.copytree(demo, demo.parent / "other")
-    manifest = demo.parent / "other" / "study.toml"
-    manifest.write_text(manifest.read_text().replace("Left index finger pad of", "The other pad of"))
-    one = tab.open("study")
-    two = tab.context.new_page()
-    two.goto(f"{tab.server.host}/")
-    two.get_by_label("Wedge angle ±").evaluate("field => field.removeAttribute('max')")
-    two.get_by_label("Wedge angle ±").fill("800")
-    two.get_by_label("Wedge angle ±").press("Enter")
-    two.get_by_role("alert").get_by_text("wedge_angle_deg_std").first.wait_for()
-    messages = "import(document.querySelector('[type=module]').src.replace('app.js', 'core/messages.js'))"
-    two.evaluate(f"() => {messages}.then((all) => all.showError(new Error('Of demo')))")
-    two.get_by_text("Of demo").wait_for()
-    two.get_by_role("button", name="Other studies").click()
-    two.get_by_role("button", name="The other pad").click()
-    two.get_by_role("heading", name="The other pad").wait_for()
-    expect(two.get_by_text("Of demo")).not_to_be_visible()
-    expect(two.get_by_role("alert")).to_have_count(0)
-    two.get_by_label("Roll angle ±").fill("0.7")
-    two.get_by_label("Roll angle ±").press("Enter")
-    # The first window stays where it is, takes edits, and hears of those of its own study only.
-    one.get_by_label("Roll angle ±").fill("0.3")
-    one.get_by_label("Roll angle ±").press("Enter")
-    two.goto(f"{tab.server.host}/#/photographs")
-    two.reload()
-    two.wait_for_function(
-        "() => document.querySelector('.stage .picture')?.src.includes('/api/studies/other/picture/preview')"
-    )
-    one.get_by_role("heading", name="Left index finger pad").wait_for()
-    said = [tomllib.loads((demo.parent / name / "study.toml").read_text()) for name in ("demo", "other")]
-    assert [each["uncertainty"]["roll_angle_deg_std"] for each in said] == [0.3, 0.7]
-
-
-@pytest.mark.nightly
-def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> None:
-    page = tab.open("study")
-    late = Late(page, "**/api/studies/*/state")
-    own = "import(document.querySelector('[type=module]').src.replace('app.js', 'core/workspace.js'))"
-    page.evaluate(f"() => {{ {own}.then(({{ workspace }}) => workspace.reload()) }}")
-    late.wait()
-    page.get_by_role("button", name="Other studies").click()
-    page.get_by_role("heading", name="Open study").wait_for()
-    late.let_go()
-    page.wait_for_load_state("networkidle")
-    expect(page.get_by_role("heading", name="Open study")).to_be_visible()
-
-
-@pytest.mark.nightly
-def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
-    one, two = two_windows(tab)
-    before = numbers(one)
-    held = one.get_by_role("button", name="End of the semi-major axis", exact=True)
-    x, y = middle(held)
-    one.mouse.move(x, y)
-    one.mouse.down()
-    one.mouse.move(x - 25, y, steps=5)
-    moving(one, before)
-    with one.expect_response("**/api/studies/*/corrections?*"):
-        enter_threshold(two)
-    one.wait_for_timeout(1000)  # in which a measurement under their correction would move it
-    assert middle(held)[0] == pytest.approx(x - 25, abs=2)
-    lift(one)
-    numbers(one)
-    require_both_kept(one, demo)
-
-
-@pytest.mark.nightly
 def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None:
     tab.expected += ["409", "ERR_FAILED"]
     tab.context.route("**/api/studies/*/events", lambda route: route.abort())
@@ -229,22 +146,6 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
         tab.close()
     assert most < 40
     assert thumbnails < 120
-
-
-@pytest.mark.nightly
-def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
-    page = tab.open("study")
-    late = Late(page, "**/api/studies/*/state")
-    page.locator("input[type=file]").set_input_files([demo / "observations.csv"])
-    late.wait()
-    title = page.get_by_label("Title", exact=True)
-    title.fill("Kept since")
-    title.press("Enter")
-    page.get_by_role("heading", name="Kept since").wait_for()
-    with page.expect_response("**/api/studies/*/state"):
-        late.let_go()
-    settle(page)
-    expect(page.get_by_role("heading", name="Kept since")).to_be_visible()
 
 
 def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:

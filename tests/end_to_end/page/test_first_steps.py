@@ -1,6 +1,5 @@
 """The first quarter of an hour with a study: what is typed is taken, and what is shown can be followed."""
 
-import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -8,10 +7,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, box, drag, middle, numbers
+from tests.end_to_end.page.browser import Tab, numbers
 from tests.studies import append_tables, contact, finger, picture
-
-SEQUENCE = "contacts/sequence:synthetic_press_30deg"
 
 
 def manifest(folder: Path) -> dict:
@@ -53,70 +50,6 @@ def test_fingers_and_scales_are_typed_once(example_tab: Tab, example, tmp_path) 
     page.get_by_role("heading", name="Semi-axes of left_index").wait_for()
 
 
-@pytest.mark.nightly
-def test_run_again_runs(tab: Tab, demo) -> None:
-    file = demo / "study.toml"
-    file.write_text(file.read_text().replace("[apparatus]", "[apparatus]\ndwell_s = 1"))
-    page = tab.open("results")
-    page.get_by_role("link", name="Run again").click()
-    page.get_by_role("link", name="See the results").wait_for()
-    tab.go("results")
-    page.get_by_label("Against load", exact=True).wait_for()
-    expect(page.get_by_role("link", name="Run again")).to_have_count(0)
-
-
-def test_full_widths_in_place_of_semi_axes_are_doubted_where_they_are_entered_and_used(
-    tab: Tab, demo
-) -> None:
-    file = demo / "study.toml"
-    file.write_text(file.read_text().replace("radial_ulnar = 11.8", "radial_ulnar = 23.6"))
-    page = tab.open("study")
-    words = "radial_ulnar 23.6 mm would be a finger 47.2 mm wide: are these full widths?"
-    page.get_by_role("region", name="To check").get_by_text(words).first.wait_for()
-    tab.go("results")
-    page.get_by_text(words).first.wait_for()
-
-
-@pytest.mark.nightly
-def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
-    page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%236")
-    numbers(page)
-    trace = page.get_by_role("slider", name="Time of the frame")
-    heading = page.locator("[data-part=head] h2")
-    expect(trace).to_have_attribute("aria-valuetext", re.compile("frame 6,"))
-    # While the hand still drags …
-    x, y = middle(trace)
-    page.mouse.move(x - 20, y)
-    page.mouse.down()
-    page.mouse.move(x, y, steps=4)
-    frame = re.search(r"frame (\d+)", trace.get_attribute("aria-valuetext"))[1]
-    assert frame != "6"
-    expect(heading).to_have_text(f"Frame {frame}")
-    scrubbed = numbers(page)
-    expect(page.locator(".stage .region")).to_have_attribute("d", re.compile("^M"))
-    page.mouse.up()
-    assert numbers(page) == scrubbed
-    # … and while it is played.
-    page.evaluate(
-        """() => {
-          window.seen = new Set();
-          new MutationObserver(() => {
-            const region = document.querySelector('.stage .region').getAttribute('d');
-            const shown = document.querySelector('[data-live=numbers]');
-            if (region && shown)
-              window.seen.add(`${document.querySelector('[data-part=head] h2').textContent}: ${region}`);
-          }).observe(document.querySelector('.inspector'), { subtree: true, childList: true });
-        }"""
-    )
-    page.get_by_role("button", name="Play").click()
-    page.wait_for_function("() => new Set([...window.seen].map((one) => one.split(':')[0])).size > 3")
-    page.get_by_role("button", name="Pause").click()
-    numbers(page)
-    last = re.search(r"frame (\d+)", trace.get_attribute("aria-valuetext"))[1]
-    expect(heading).to_have_text(f"Frame {last}")
-    assert page.url.endswith(f"%23{last}")
-
-
 @pytest.fixture
 def two_fingers(example) -> Path:
     """The example with contacts of a second finger: some given, one with an image."""
@@ -152,30 +85,12 @@ def test_contacts_are_found_by_finger(two_fingers, example_tab: Tab) -> None:
     page.get_by_role("button", name="Accept and next").wait_for()
 
 
-def test_without_an_image_there_is_nothing_to_judge(tab: Tab, demo) -> None:
-    page = tab.open("contacts/second")
-    page.get_by_text("The first operator has not accepted or corrected any image yet.").wait_for()
-    require_nothing_to_judge(page)
-    assert not (demo / "corrections.jsonl").exists()
-
-
 def require_nothing_to_judge(page: Page) -> None:
     for name in ("Accept and next", "Reject", "Undo", "Redo"):
         expect(page.get_by_role("button", name=name)).to_have_count(0)
     for key in ("Enter", "x", "u", "r", "n", "k"):
         page.keyboard.press(key)
     expect(page.locator(".message.error")).to_have_count(0)
-
-
-def test_a_correction_that_leaves_a_contact_out_says_so(tab: Tab) -> None:
-    page = tab.open("contacts/images/synthetic_30deg_2N")
-    numbers(page)
-    said = page.locator("#messages")
-    width = box(page.locator(".stage .picture"))["width"]
-    drag(page, page.get_by_role("button", name="Centre of the ellipse"), 0.3 * width, 0)
-    expect(said).to_contain_text("Left out of the pooled radius: ")
-    page.keyboard.press("u")
-    expect(page.locator(".pooling-note")).to_contain_text("Counts in the pooled radius")
 
 
 def test_all_columns_of_new_files_are_in_view_and_what_a_file_states_is_read_after_a_reload(
@@ -197,13 +112,3 @@ def test_all_columns_of_new_files_are_in_view_and_what_a_file_states_is_read_aft
     page.get_by_label("Finger on scan_500ppi.png").fill("synthetic_pad")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_text("scale reader, with the resolution in its file").wait_for()
-
-
-@pytest.mark.nightly
-def test_the_picture_keeps_its_height_beside_the_traces(tab: Tab) -> None:
-    page = tab.open(SEQUENCE)
-    numbers(page)
-    for width in (1024, 1366):
-        page.set_viewport_size({"width": width, "height": 768})
-        page.wait_for_function("() => document.querySelector('.stage').clientHeight > 280")
-        assert box(page.get_by_role("slider", name="Time of the frame"))["width"] > 300

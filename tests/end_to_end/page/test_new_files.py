@@ -5,13 +5,11 @@ import shutil
 import tomllib
 from pathlib import Path
 
-import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, box, served
-from tests.end_to_end.page.test_begin import CONTACTS, begin, paste
-from tests.end_to_end.page.test_conduct import AXE, JUDGE
+from tests.end_to_end.page.browser import Tab
+from tests.end_to_end.page.test_begin import CONTACTS, begin
 
 from fingerpad.simulate import render_coin
 
@@ -39,24 +37,6 @@ def drop(page, files) -> None:
 
 def manifest_of(tab: Tab) -> dict:
     return tomllib.loads((tab.folder / "index-finger" / "study.toml").read_text())
-
-
-def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
-    page = empty_tab.open()
-    begin(page)
-    Image.fromarray(np.full((200, 200), 200, np.uint8)).save(tmp_path / "IMG_1.png")
-    drop(page, [tmp_path / "IMG_1.png"])
-    page.get_by_text("guess: check").first.wait_for()
-    page.get_by_label("Finger on IMG_1.png").or_(page.get_by_label("Type of IMG_1.png")).first.wait_for()
-    if page.get_by_label("Type of IMG_1.png").input_value() == "":
-        page.get_by_role("button", name="Add to study").click()
-        page.get_by_role("button", name="Change").click()
-        page.get_by_label("Type of IMG_1.png").select_option("observation")
-        expect(page.get_by_text("guess: check")).to_have_count(0)  # a choice is no guess
-    page.get_by_label("Finger on IMG_1.png").fill("left_index")
-    page.get_by_role("button", name="Add to study").click()
-    page.get_by_text("1 file added.").wait_for()
-    assert [one["file"] for one in manifest_of(empty_tab)["observations"]] == ["uploads/IMG_1.png"]
 
 
 def test_the_resolution_that_a_contact_image_states_is_a_guess(
@@ -127,18 +107,6 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     }
 
 
-def test_a_table_called_a_spreadsheet_fills_in_the_files(empty_tab: Tab, tmp_path) -> None:
-    page = empty_tab.open()
-    begin(page)
-    shutil.copy(CONTACTS[0], tmp_path / "IMG_1.png")
-    (tmp_path / "log.csv").write_text("Bild;Force (N);Position (mm)\nIMG_1.png;0,5;3,2\n")
-    drop(page, [tmp_path / "IMG_1.png", tmp_path / "log.csv"])
-    expect(page.get_by_label("Type of log.csv")).to_have_value("curve")
-    page.get_by_label("Type of log.csv").select_option("sheet")
-    page.get_by_text("Bild → file; Force (N) → load.").wait_for()
-    expect(page.get_by_label("Load of IMG_1.png, newtons")).to_have_value("0.5")
-
-
 def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path) -> None:
     empty_tab.expected.append("422")
     page = empty_tab.open()
@@ -158,40 +126,3 @@ def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path)
     expect(page.get_by_label("Finger on 8-RM-w45-f2000.png")).to_have_value("8_right_middle")
     expect(page.get_by_label("Load of 7-LI-w30-f500.png, newtons")).to_have_value("500")
     expect(page.get_by_label("Finger on odd.png")).to_have_value("")
-
-
-@pytest.mark.nightly
-def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
-    page = empty_tab.open()
-    begin(page)
-    drop(page, plain_names)
-    paste(page.get_by_label("Finger on IMG_0031.jpg"), "file\tload\nIMG_0033\t1,5\nIMG_0034\t500mN")
-    page.get_by_text("2 of 6 files found in the spreadsheet.").wait_for()
-    expect(page.get_by_label("Load of IMG_0033.png, newtons")).to_have_value("1.5")
-    expect(page.get_by_label("Load of IMG_0034.png, newtons")).to_have_value("0.5")
-    expect(page.get_by_label("Finger on IMG_0031.jpg")).to_have_value("")
-
-
-@pytest.mark.nightly
-def test_new_files_are_accessible_and_fit_the_screen(browser, tmp_path, plain_names) -> None:
-    with served(tmp_path) as server:
-        tab = Tab(browser, server, bypass_csp=True)
-        page = tab.open()
-        page.set_viewport_size({"width": 390, "height": 844})
-        begin(page)
-        drop(page, plain_names)
-        for words in ("Fill in from a spreadsheet", "Fill in from the file names"):
-            page.get_by_text(words).click()
-        page.get_by_label("Pattern of the names").fill("IMG_00{load}")
-        page.get_by_text("6 of 6 names fit.").wait_for()
-        page.evaluate(AXE)
-        serious = [
-            (each["id"], each["nodes"][0]["html"])
-            for each in page.evaluate(JUDGE)["violations"]
-            if each["impact"] in ("serious", "critical")
-        ]
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-        place = box(page.get_by_label("Load of IMG_0033.png, newtons"))
-        assert place["x"] + place["width"] <= 390
-        tab.close()
-    assert serious == []

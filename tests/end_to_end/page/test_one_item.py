@@ -52,19 +52,6 @@ def test_a_double_click_and_a_held_key_judge_one_image(tab: Tab, demo) -> None:
     assert len(corrections(demo)) == 2
 
 
-def test_what_was_refused_for_a_contact_is_not_shown_for_another(tab: Tab, demo) -> None:
-    page = tab.open("study")
-    field = page.get_by_label(re.compile("^Wedge angle of synthetic_30deg_2N$"))
-    field.fill("95")
-    field.press("Enter")
-    assert field.evaluate("field => field.matches(':invalid')")
-    page.get_by_role("button", name="Remove synthetic_30deg_2N").click()
-    page.get_by_role("button", name="Remove", exact=True).click()
-    expect(field).to_have_count(0)
-    others = page.get_by_label(re.compile("^Wedge angle of "))
-    assert all(re.fullmatch("30|45|60", other.input_value()) for other in others.all())
-
-
 def test_settings_that_were_not_saved_are_not_shown_for_the_next_image(tab: Tab, demo) -> None:
     page = tab.open("contacts/images/synthetic_30deg_2N")
     numbers(page)

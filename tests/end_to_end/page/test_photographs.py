@@ -8,20 +8,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import (
-    Late,
-    Tab,
-    changed,
-    drag,
-    focus,
-    lift,
-    middle,
-    moving,
-    numbers,
-    stroke,
-)
-
-from fingerpad.study.pipeline import run_study
+from tests.end_to_end.page.browser import Tab, changed, lift, middle, moving, numbers, stroke
 
 
 @pytest.fixture(scope="module")
@@ -66,32 +53,6 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
-@pytest.mark.nightly
-def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
-    page = tab.open("photographs")
-    before = numbers(page, "face")
-    handle = focus(page, "End of the semi-axis across")
-    # An answer that comes late does not replace a newer one.
-    late = Late(
-        page, "**/api/studies/*/measure/photograph", lambda asked: "handles_px" not in asked.post_data_json
-    )
-    handle.press("Shift+ArrowRight")
-    late.wait()
-    page.keyboard.press("u")
-    assert numbers(page, "face") == before
-    late.let_go()
-    assert numbers(page, "face") == before
-    handle.press("Shift+ArrowRight")
-    wider = changed(page, before, "face")
-    turn = page.get_by_role("button", name=re.compile("^Rotation of the ellipse"))
-    turn.press("ArrowRight")
-    turn.press("ArrowRight")
-    assert "Tilt" in changed(page, wider, "face")
-    page.keyboard.press("Enter")
-    page.wait_for_url(re.compile("photograph_distal"))
-    assert last_change(demo)["accepted"] is True
-
-
 def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
@@ -110,39 +71,6 @@ def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     point.press("Delete")
     assert numbers(page, "face") == fewer
     assert set(last_change(demo)) == {"erased"}
-
-
-@pytest.mark.nightly
-def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
-    page = tab.open("photographs")
-    before = numbers(page, "face")
-    page.keyboard.press("o")
-    for moves in ({"Left": 10, "Up": 10}, {"Right": 20, "Down": 18}):
-        for way, count in moves.items():
-            for _ in range(count):
-                page.keyboard.press(f"Shift+Arrow{way}")
-        page.keyboard.press("Space")
-    numbers(page, "face")
-    row0, column0, row1, column1 = last_change(demo)["region_of_interest_px"]
-    assert row1 > row0 >= 0
-    assert column1 > column0 >= 0
-    page.get_by_role("button", name="Reset region of interest").click()
-    assert numbers(page, "face") == before
-
-
-def test_length_by_pointer_and_by_keys(tab: Tab) -> None:
-    page = tab.open("photographs")
-    numbers(page, "face")
-    page.keyboard.press("l")
-    x, y = middle(page.locator(".stage"))
-    stroke(page, (x - 100, y), (x + 100, y))
-    first = numbers(page, "length")
-    assert re.match(r"[\d.]+ ± [\d.]+ mm", first)
-    drag(page, page.get_by_role("button", name="End of the line"), 30, 0)
-    second = numbers(page, "length")
-    page.get_by_role("button", name="Start of the line").press("Shift+ArrowLeft")
-    third = numbers(page, "length")
-    assert float(first.split()[0]) < float(second.split()[0]) < float(third.split()[0])
 
 
 def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, example, results) -> None:
@@ -164,26 +92,3 @@ def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, e
     example_tab.go("pad")
     numbers(page, "u")
     expect(on_pad).to_have_count(2)
-
-
-@pytest.mark.nightly
-def test_faces_that_contradict_each_other_are_told_until_a_run_finds_them_right(
-    example_tab: Tab, example, results
-) -> None:
-    """As those do whose scales differ by a factor."""
-    manifest = example / "study.toml"
-    text = manifest.read_text()
-    phone = text.replace("[scales.camera]", "[scales.phone]\nmm_per_px = 0.3\n\n[scales.camera]")
-    manifest.write_text(phone.replace('palmar.jpg", scale = "camera"', 'palmar.jpg", scale = "phone"'))
-    run_study(manifest, results)
-    page = example_tab.open("study")
-    page.get_by_text("the faces contradict each other").wait_for()
-    expect(page.get_by_text("Nothing is missing.")).to_have_count(0)
-    manifest.write_text(text)
-    run_study(manifest, results)
-    page.reload()
-    page.get_by_text("Nothing is missing.").wait_for()
-    example_tab.go("pad")
-    numbers(page, "u")
-    on_pad = page.locator(".inspector").get_by_text("of the last run, out of date", exact=True)
-    expect(on_pad).to_have_count(0)

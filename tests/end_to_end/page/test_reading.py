@@ -155,30 +155,6 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab) -> None:
     expect(page.locator(".results > *")).to_have_count(1)
 
 
-def test_numbers_for_simulators_are_computed_one_by_one_while_they_are_shown(tab: Tab) -> None:
-    late = Late(tab.page, "**/results/simulator?*")
-    tab.go("results/simulator")
-    late.wait()
-    tab.go("results/table").locator("td").first.wait_for()
-    late.let_go()
-    tab.page.wait_for_timeout(300)
-    assert sum("/results/simulator?" in url for url in tab.asked) == 1
-
-
-@pytest.mark.nightly
-def test_numbers_and_files_for_simulators(tab: Tab) -> None:
-    tab.expected.append("422")
-    page = tab.go("results/simulator")
-    card = page.locator("section.card").first
-    expect(card.get_by_role("row", name="Newton kh")).to_be_visible()
-    with page.expect_download() as download:
-        card.get_by_role("link", name="Files of").click()
-    assert download.value.suggested_filename.endswith("_simulator.zip")
-    page.get_by_label("Effective mass").fill("1e-9")
-    page.keyboard.press("Enter")
-    expect(card.get_by_text("MuJoCo would need time steps below")).to_be_visible()
-
-
 def test_figures_and_one_for_publication(tab: Tab) -> None:
     tab.expected.append("422")
     page = tab.go("results/figures")
@@ -218,14 +194,6 @@ def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: s
     before = page.url
     page.keyboard.press("Enter")  # accepts no frame behind the dialog
     assert page.url == before
-
-
-def test_a_chart_without_a_figure_leads_nowhere(tab: Tab) -> None:
-    page = tab.go("results/plot")
-    page.get_by_role("button", name="Size, axes and colours of").first.wait_for()
-    page.get_by_label("Against load", exact=True).select_option("indentation")
-    page.locator(".plot-card").first.wait_for()
-    expect(page.get_by_role("button", name="Size, axes and colours of")).to_have_count(0)
 
 
 def test_budget_and_audit(tab: Tab) -> None:

@@ -1,18 +1,14 @@
 """What a person enters or sees is what is saved, or the page says why not."""
 
-import json
 import re
 import shutil
 import tomllib
 from pathlib import Path
 
 import pytest
-from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, launched, numbers, served
 from tests.end_to_end.page.test_contacts import PRINT, corrections
-
-from fingerpad.study.editing.template import write_example
 
 
 def manifest(folder) -> dict:
@@ -41,19 +37,6 @@ def test_a_decimal_comma_is_a_decimal_point_or_is_refused(example_tab: Tab, exam
         assert enter(typed).startswith(f'"{typed}" is not a number')
     (saved,) = [one for one in manifest(example)["observations"] if one["name"] == "contact_1N"]
     assert saved["load_N"] == 0.15
-
-
-def test_every_field_for_a_number_takes_a_comma(example_tab: Tab) -> None:
-    page = example_tab.open()
-    page.get_by_role("button", name="Add a finger").click()
-    assert page.locator("input[type=number]").count() == 0
-    decimals = page.locator("input[inputmode=decimal]")
-    for index in range(decimals.count()):
-        kept = decimals.nth(index).input_value()
-        decimals.nth(index).evaluate("field => { field.value = '0,5'; }")
-        decimals.nth(index).dispatch_event("input")
-        assert decimals.nth(index).evaluate("field => field.validationMessage") == ""
-        decimals.nth(index).evaluate("(field, kept) => { field.value = kept; }", kept)
 
 
 def test_a_reason_never_undoes_a_rejection(tab: Tab, demo) -> None:
@@ -112,55 +95,6 @@ def test_the_page_stays_where_saving_failed_and_goes_on_once_the_server_is_back(
             other.context.clear_cookies()
             other.goto(again.host)
             other.get_by_text("Open the address that fingerpad app printed").wait_for()
-        tab.close()
-
-
-def test_no_scale_is_taken_without_being_asked(browser, written_example, tmp_path) -> None:
-    folder = write_example(tmp_path / "studies" / "example").parent
-    text = (folder / "study.toml").read_text()
-    camera = "[scales.camera]\nmm_per_px = 0.1\nrelative_std = 0.002\n\n"
-    assert camera in text
-    (folder / "study.toml").write_text(text.replace(camera, "").replace('"camera"', '"reader"'))
-    Image.effect_noise((300, 400), 40).convert("RGB").save(tmp_path / "IMG_7.jpg")
-    with served(folder.parent, folder) as server:
-        tab = Tab(browser, server)
-        page = tab.open()
-        page.locator("input[type=file]").first.set_input_files(tmp_path / "IMG_7.jpg")
-        page.get_by_label("Type of IMG_7.jpg").select_option("photograph")
-        expect(page.get_by_label("Scale of IMG_7.jpg")).to_have_value("")
-        page.get_by_label("Type of IMG_7.jpg").select_option("observation")
-        scale = page.get_by_label("Scale of IMG_7.jpg")
-        expect(scale).to_have_value("reader")
-        expect(scale.locator("xpath=..")).to_contain_text("guess: check")
-        page.get_by_role("button", name="Add to study").click()
-        dialog = page.get_by_role("dialog", name="Is this right?")
-        dialog.get_by_text("scale reader, the only one of the study").wait_for()
-        tab.close()
-
-
-@pytest.mark.nightly
-def test_a_file_name_may_hold_signs_of_addresses(browser, tmp_path) -> None:
-    name = "IMG 50% #12.jpg"
-    folder = write_example(tmp_path / "signs" / "example").parent
-    finger = manifest(folder)["fingers"][0]
-    file = finger["photographs"][0]["file"]
-    (folder / file).rename((folder / file).with_name(name))
-    renamed = (folder / file).with_name(name).relative_to(folder).as_posix()
-    text = (folder / "study.toml").read_text()
-    (folder / "study.toml").write_text(text.replace(json.dumps(file), json.dumps(renamed)))
-    with served(folder.parent, folder) as server:
-        tab = Tab(browser, server)
-        page = tab.open("photographs")
-        numbers(page, "face")
-        page.reload()
-        numbers(page, "face")
-        expect(page.get_by_role("heading", name="Photographs")).to_be_visible()
-        page.keyboard.press("Enter")
-        page.get_by_role("option", name=re.compile("palmar face, accepted")).wait_for()
-        assert corrections(folder)[-1]["item"] == f"{finger['name']}/{renamed}"
-        tab.go("study")
-        page.get_by_role("link", name=f"Photograph {name}").click()
-        numbers(page, "face")
         tab.close()
 
 

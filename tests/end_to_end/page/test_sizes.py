@@ -2,7 +2,7 @@
 
 import pytest
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, box, middle, numbers, settle, stroke
+from tests.end_to_end.page.browser import Tab, box, numbers, settle
 
 STEPS = ("study", "scale", "photographs", "contacts", "pad", "results", "run")
 # How far the page, or its work area, can be scrolled sideways.
@@ -49,15 +49,6 @@ def require_tables_that_fit(page: Page) -> None:
             assert each.evaluate("one => one.scrollWidth <= one.clientWidth"), name
 
 
-def test_tables_of_the_study_and_text_fit_the_screen(example_tab: Tab) -> None:
-    page = example_tab.open()
-    resize(page, 1280)
-    require_tables_that_fit(page)
-    for width, size in ((1366, "11.06px"), (2560, "13.43px")):
-        resize(page, width)
-        expect(page.locator(".step-state").first).to_have_css("font-size", size)
-
-
 def test_tables_and_names_on_the_pad_fit(tab: Tab) -> None:
     page = tab.open()
     require_tables_that_fit(page)
@@ -78,47 +69,3 @@ def test_tables_and_names_on_the_pad_fit(tab: Tab) -> None:
         for place, (left, right, top, bottom) in enumerate(boxes):
             for start, end, above, below in boxes[:place]:
                 assert left >= end or start >= right or top >= below or above >= bottom, (width, texts)
-
-
-@pytest.mark.nightly
-def test_words_are_whole_at_1366_pixels(tab: Tab) -> None:
-    page = tab.page
-    page.set_viewport_size({"width": 1366, "height": 768})
-    tab.open("results/table")
-    page.locator(".results-table tbody tr").first.wait_for()
-    page.get_by_text("More columns to the right").wait_for()
-    headers = page.locator(".results-table thead")
-    assert "_" not in headers.inner_text()
-    expect(headers.locator("sub").get_by_text("Aξ", exact=True)).to_be_visible()
-    tab.go("contacts/images/synthetic_30deg_2N")
-    numbers(page)
-    page.get_by_role("button", name="Reject").click()
-    expect(page.get_by_role("heading", name="synthetic_30deg_2N")).to_have_count(0)
-    tab.go("contacts/images/synthetic_30deg_2N")
-    undo = page.get_by_role("button", name="Undo rejection")
-    undo.wait_for()
-    assert undo.evaluate("button => button.scrollWidth <= button.clientWidth")
-
-
-@pytest.mark.nightly
-def test_a_saved_ruler_is_shown_as_it_was_entered(example_tab: Tab) -> None:
-    page = example_tab.page
-    page.set_viewport_size({"width": 1366, "height": 768})
-    example_tab.open("scale")
-    page.get_by_role("button", name="+ New scale").click()
-    page.get_by_role("radio", name="Ruler").click()
-    page.get_by_label("Image", exact=True).select_option("photograph_palmar.jpg")
-    page.wait_for_selector(".stage:not(.waiting) .picture")
-    x, y = middle(page.locator(".stage"))
-    stroke(page, (x - 100, y), (x + 100, y))
-    page.get_by_label("Length of the line").fill("25")
-    page.get_by_label("Length of the line").press("Enter")
-    page.get_by_label("Name", exact=True).fill("ruler")
-    page.get_by_role("button", name="Save scale").click()
-    message = page.get_by_text("Scale ruler saved.")
-    message.wait_for()
-    subtitle = box(page.get_by_text("share its uncertainty"))
-    assert box(message)["y"] > subtitle["y"] + subtitle["height"]
-    page.get_by_role("heading", name="Scale ruler").wait_for()
-    expect(page.get_by_label("Line along")).to_have_value("")
-    assert page.get_by_label("Line along").evaluate("list => list.selectedIndex") == 0

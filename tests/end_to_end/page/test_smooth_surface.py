@@ -42,24 +42,3 @@ def test_a_contact_is_said_to_be_smooth(page_of, smooth) -> None:
     page.get_by_label("Surface", exact=True).select_option("ridged")
     expect(page.get_by_text("smooth surface", exact=True)).to_have_count(0)
     assert table(smooth, "observations")[0]["surface"] == "ridged"
-
-
-@pytest.mark.nightly
-def test_a_sequence_is_said_to_be_smooth(page_of, smooth) -> None:
-    page = page_of("contacts/sequence:press/press%236")
-    page.get_by_label("Surface (sequence)").select_option("smooth")
-    expect(page.get_by_text("smooth surface", exact=True)).to_be_visible()
-    assert area(page) == pytest.approx(area_at(2.0), rel=0.03)
-    assert table(smooth, "sequences")[0]["surface"] == "smooth"
-    page.keyboard.press(",")
-    page.wait_for_url(re.compile("%235"))
-    assert area(page) == pytest.approx(area_at(1.5), rel=0.03)
-
-
-def test_all_contacts_of_a_study_are_said_to_be_smooth(page_of, smooth) -> None:
-    page = page_of("study")
-    page.get_by_label("Contact surface").select_option("smooth")
-    expect(page.get_by_label("Contact surface")).to_have_value("smooth")
-    page = page_of("contacts/images/contact")
-    expect(page.get_by_text("smooth surface", exact=True)).to_be_visible()
-    assert area(page) == pytest.approx(area_at(2.0), rel=0.02)
