@@ -138,6 +138,28 @@ def test_a_press_unlike_its_repeats_is_told_and_one_of_no_finger_moves_no_other(
     assert words.startswith("presses of one finger under one load differ in area by ")
 
 
+@pytest.mark.parametrize(
+    ("factors", "said"),
+    [
+        ((1, 1, 1, 0.78, 1), "c3: 22 % off the growth of the other areas, where 4.6 % is usual"),
+        ((1, 1.3, 1, 1.34, 1), "c1 and c3: 30 to 34 % off the growth of the other areas"),
+        ((1, 1.1, 0.93, 1.05, 1), None),
+        ((0.9, 1, 1.06, 1.04, 0.9), None),  # a stiffening pad
+    ],
+)
+def test_a_contact_off_the_growth_of_the_others_is_told(tmp_path, factors, said):
+    """A load that is mistyped, or another finger, where no load is repeated."""
+    loads = (0.5, 1, 2, 3.5, 6)
+    contacts = [
+        studies.contact(f"c{k}", load, (4 * side, 3.5 * side), axis="", std=0.02)
+        for k, (load, side) in enumerate(
+            (load, math.sqrt(factor * load**0.58)) for load, factor in zip(loads, factors, strict=True)
+        )
+    ]
+    words = "".join(presses_unlike_repeats(studies.run(tmp_path, finger(), *contacts)))
+    assert words.startswith(said) if said else not words
+
+
 def test_frames_of_a_sequence_are_no_repeats():
     covariance = {"covariance_mm2": 1e-8 * np.eye(2)}
     frames = [frame(k, (6.97 + 0.1 * k, 5.16), **covariance) for k in range(5)]

@@ -20,7 +20,7 @@ from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary
-from fingerpad.study.results.repeats import unlike_repeats
+from fingerpad.study.results.repeats import unlike_growth, unlike_repeats
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.study.results.table import items, records
@@ -277,14 +277,18 @@ def presses_unlike_repeats(result: StudyResult) -> Iterator[str]:
                 f"where {100 * PRESS_STD:.0f} % is usual: check that each image has its own load and angle"
             )
     unlike, usual = unlike_repeats(result.rows, result.repeatability.values())
-    if unlike:
-        names = joined(unlike, _MOST_NAMED)
-        off = sorted(100 * abs(ratio - 1) for ratio in unlike.values())
-        how_far = f"{off[0]:.0f} %" if len(off) == 1 else f"{off[0]:.0f} to {off[-1]:.0f} %"
-        yield (
-            f"{names}: {how_far} off the median area of the presses under one load, where "
-            f"{100 * usual:.1f} % is usual: check finger, load and angle"
-        )
+    grown = unlike_growth(result.rows, usual)
+    for ratios, of in (
+        (unlike, "median area of the presses under one load"),
+        ({name: ratio for name, ratio in grown.items() if name not in unlike}, "growth of the other areas"),
+    ):
+        if ratios:
+            off = [f"{100 * abs(ratio - 1):.0f}" for ratio in ratios.values()]
+            how_far = " to ".join(dict.fromkeys((min(off, key=int), max(off, key=int))))
+            yield (
+                f"{joined(ratios, _MOST_NAMED)}: {how_far} % off the {of}, where {100 * usual:.1f} % is "
+                "usual: check finger, load, scale and angle"
+            )
 
 
 def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:

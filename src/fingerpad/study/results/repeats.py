@@ -65,6 +65,8 @@ _AT_ONCE: Final = 500
 # An area is unlike its repeats from so many usual deviations on, and from this difference of logarithms; a
 # median of three is the least, and so many deviations tell what is usual.
 _UNLIKE, _LEAST_UNLIKE, _FEWEST_REPEATS, _ENOUGH = 5.0, 0.2, 3, 6
+# Through how many loads a line shows which of them lies off it, and how many of very many are tried.
+_FEWEST_LOADS, _MOST_LOADS = 4, 60
 
 
 def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
@@ -205,10 +207,8 @@ def unlike_repeats(
     the median over all of them, which a few wrong ones do not move, or how they scatter within sessions, if
     that is less.
     """
-    rows = table[["observation", "finger", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
-    rows = rows[table["pooled"] & table["frame"].isna()]
+    rows, area = _areas(table)
     placed = zip(items(rows["finger"]), *(items(rows[name]) for name in _PLACED), strict=True)
-    area = pd.Series(np.log(contact_quantity(rows, "contact_area")))
     repeats = area.groupby(conditions_of(placed, rows["load_N"].to_numpy()))
     size, apart = repeats.transform("size"), area - repeats.transform("median")
     several = apart[(size >= _FEWEST_REPEATS) & (apart != 0)].abs()
@@ -218,6 +218,51 @@ def unlike_repeats(
     odd = several[several > max(_UNLIKE * usual, _LEAST_UNLIKE)].index
     names = items(rows["observation"].iloc[odd])
     return dict(zip(names, np.exp(apart[odd]).tolist(), strict=True)), usual
+
+
+def _areas(table: pd.DataFrame) -> tuple[pd.DataFrame, "pd.Series[float]"]:
+    """Return the contacts that count, and the logarithms of their areas."""
+    rows = table[["observation", "finger", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
+    rows = rows[table["pooled"] & table["frame"].isna() & (table["load_N"] > 0)]
+    return rows, pd.Series(np.log(contact_quantity(rows, "contact_area")))
+
+
+def unlike_growth(table: pd.DataFrame, usual: float) -> dict[str, float]:
+    """Return contacts that count whose areas lie far off the growth with load of their finger's others.
+
+    Each stands with the ratio of its area to that growth, a power law through most of the loads; repeats
+    depart by `usual`, relative.
+    """
+    rows, area = _areas(table)
+    names, found = items(rows["observation"]), {}
+    for places in groups(rows, "finger", *_PLACED).values():
+        load = rows["load_N"].to_numpy()[places]
+        one = pd.DataFrame({"load": np.log(load), "area": area[places].to_numpy()})
+        nominal = nominal_loads(load)
+        line = one.groupby(nominal).median()
+        if len(line) < _FEWEST_LOADS:
+            continue
+        off = _off_line(*line.to_numpy().T)
+        odd = np.abs(off) > max(_UNLIKE * max(usual, np.median(np.abs(off)) / 0.67), _LEAST_UNLIKE)
+        found |= {names[places[k]]: math.exp(off[at]) for k, at in enumerate(nominal) if odd[at]}
+    return found
+
+
+def _off_line(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return how far points lie off a line through most of them, by the least median of squares.
+
+    Rousseeuw (1984): of the lines through two points, which a half of wrong ones does not move. Areas grow
+    with loads, and no faster than they.
+    """
+    some = np.unique(np.linspace(0, x.size - 1, _MOST_LOADS).round().astype(int))
+    first, second = some[np.stack(np.triu_indices(some.size, 1))]
+    slope = (y[second] - y[first]) / (x[second] - x[first])
+    off = y - y[first, None] - slope[:, None] * (x - x[first, None])
+    half = x.size // 2
+    typical = np.partition(np.abs(off), half, axis=1)[:, half]
+    best = np.argmin(np.where((slope > 0) & (slope < 1), typical, np.inf))
+    good = np.abs(off[best]) < max(_LEAST_UNLIKE / 2, 2 * typical[best])
+    return np.asarray(y - np.polyval(np.polyfit(x[good], y[good], 1), x))
 
 
 def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
