@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
+from fingerpad.image.ellipse import polygon_moments
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 _MIN_BORDER: Final = 0.02  # of the picture; an added border is no less
@@ -17,6 +18,8 @@ _RIPPLE: Final = 4 / 255  # of the range; lossy compression leaves such ripples 
 _MIN_CONVEXITY: Final = 0.96
 _MIN_STRAIGHTNESS: Final = 0.7  # share of the outline in sides
 _LONG_SIDE: Final = 0.2  # of the picture's; a side is no shorter
+# A whole contact with flat sides is rounder than a card, and leaves more of the picture to the ground.
+_ROUND, _LARGE = 0.95, 0.7
 _SLACK: Final = 0.1  # these limits are so much wider where letters stick out of a card, or grain runs into it
 _BLUNTNESS: Final = 0.005  # of the longest side; corners may be so far off: small prints stay as they are
 _BORDER_PX: Final = 240  # longer side of a copy that is fine enough for a border
@@ -82,7 +85,10 @@ def _is_card(card: BoolArray, slack: float = 0.0) -> bool:
     corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
-    return bool(straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum())
+    if not straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum():
+        return False
+    outline = hull.reshape(-1, 2).astype(np.float64)
+    return bool(card.mean() > _LARGE or polygon_moments(outline).overlap(outline) < _ROUND)
 
 
 def flattened(
