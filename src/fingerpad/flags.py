@@ -60,6 +60,12 @@ _CONTACT: Final = (
         "poor_ellipse", "the contact is not well described by an ellipse", _REVIEW, "pooling unless reviewed"
     ),
     Flag(
+        "straight_side",
+        "a side of the contact is straight, as where the picture was cut or erased, or the glass ends",
+        f"take a picture with the whole contact in it, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
         "scale_doubtful",
         "the ridge period is not that of a finger, or the picture is too coarse to show it",
         "check the resolution of the picture",

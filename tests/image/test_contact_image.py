@@ -379,6 +379,13 @@ def test_cut_patch_touches_border(alter):
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 
+def test_a_side_that_was_erased_is_straight():
+    pixels = render_contact_image(seed=1, look="ink").pixels
+    assert "straight_side" not in measure_contact_image(pixels, PPI_500).flags
+    pixels[:90] = 225
+    assert "straight_side" in measure_contact_image(pixels, PPI_500).flags
+
+
 ROUND = {"semi_major": 5.5, "semi_minor": 5.5, "seed": 2, "margin": 5.0}
 
 
