@@ -1,10 +1,15 @@
-"""The contact solver against exact solutions and beside Tamaas."""
+"""The contact solver against exact solutions and beside others.
+
+Tamaas is a dependency of the tests; ContactMechanics is timed where it is installed
+(``pip install ContactMechanics``).
+"""
 
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.metadata import version
-from typing import Any, Final
+from importlib.util import find_spec
+from typing import Any, TypeAlias
 
 import numpy as np
 import tamaas
@@ -20,6 +25,7 @@ _HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
 _BALL = Paraboloid(_RADIUS, _RADIUS)
 
 _GRIDS = 64, 128, 256
+_THIRD = find_spec("ContactMechanics") is not None
 
 
 def _sphere(x: Array, y: Array) -> Array:
@@ -69,7 +75,7 @@ def speed() -> None:
         solve = partial(solve_contact, placement, layer, load=2.0, points=points)
         search = ContactField.of_solution(solve()).highest_shear_on_axis
         own.append((f"{points}²", f"{best(solve, 3):.2f} s", f"{best(search, 3):.2f} s"))
-        for name, solved in SOLVERS.items():
+        for name, solved in _solvers().items():
             area, indentation = solved(points, radius, 0.5)
             errors = abs(area / exact[0] - 1), abs(indentation / exact[1] - 1)
             spent = best(partial(solved, points, radius, 0.5), 3)
@@ -84,7 +90,8 @@ def speed() -> None:
     )
     title = "Seconds for the whole pad on a layer, and for its highest shear"
     table(("cells", "whole pad on a layer", "its highest shear"), own, title)
-    print(f"\nTamaas {version('tamaas')}.")
+    third = version("ContactMechanics") if _THIRD else "not installed (pip install ContactMechanics)"
+    print(f"\nTamaas {version('tamaas')}, ContactMechanics {third}.")
 
 
 def _reached(found: list[tuple[float, float, float]]) -> str:
@@ -93,9 +100,32 @@ def _reached(found: list[tuple[float, float, float]]) -> str:
     return ", ".join("not reached" if t is None else f"{t:.2f} s" for t in least)
 
 
+# Solvers of a sphere's contact under a load on a grid of so many cells a side: area and indentation.
+Solver: TypeAlias = Callable[[int, float, float], tuple[float, float]]
+
+
+def _solvers() -> dict[str, Solver]:
+    solvers: dict[str, Solver] = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
+    return solvers | ({"ContactMechanics": _by_contact_mechanics} if _THIRD else {})
+
+
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
     found = solve_gap(_BALL.gap.height, _HALF_SPACE, half_widths=(radius, radius), load=load, points=points)
     return float(found.area), float(found.indentation)
+
+
+def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[float, float]:
+    from ContactMechanics import FreeFFTElasticHalfSpace  # noqa: PLC0415 (optional)
+    from ContactMechanics.Systems import NonSmoothContactSystem  # noqa: PLC0415 (optional)
+    from SurfaceTopography import Topography  # noqa: PLC0415 (optional)
+
+    width, gap = _window(points, radius)
+    system = NonSmoothContactSystem(
+        substrate=FreeFFTElasticHalfSpace((points, points), _MODULUS, (width, width)),
+        surface=Topography(-gap, (width, width)),
+    )
+    found = system.minimize_proxy(external_force=load, pentol=1e-7)
+    return float(system.compute_contact_area()), float(found["offset"])
 
 
 def _window(points: int, radius: float) -> tuple[float, Array]:
@@ -118,10 +148,6 @@ def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
     model.operators["dcfft"](pressure, displacement)
     touching = pressure > 0
     return float(touching.mean()) * width**2, float((displacement + gap)[touching].mean())
-
-
-# Solvers of a sphere's contact under a load on a grid of so many cells a side: area and indentation.
-SOLVERS: Final = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
 
 
 def report() -> None:

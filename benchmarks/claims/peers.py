@@ -1,12 +1,21 @@
 """Side by side with what people use today, in one run on one machine.
 
-lmfit and scikit-image are dependencies of the tests; the steps of scripts and macros are written out.
+statsmodels, lmfit and scikit-image are dependencies of the tests. The others are compared where they are
+installed, and their rows say where they are not: ``pip install nanite``, ``pip install --no-deps pyfing``,
+and in an environment of its own ``pip install slippy tribology``, with the old versions of NumPy and SciPy
+that they need; ``FINGERPAD_PEERS`` names the interpreter of that environment.
 """
 
+import json
 import math
+import os
+import subprocess
+import sys
 import time
 from dataclasses import replace
-from typing import Final, TypeAlias
+from importlib import import_module
+from types import ModuleType
+from typing import Any, Final, TypeAlias
 
 import cv2
 import lmfit
@@ -15,6 +24,7 @@ from scipy import ndimage
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 from skimage import filters, measure, morphology
+from statsmodels.stats.meta_analysis import combine_effects
 
 from benchmarks import ROOT
 from benchmarks.arrays import Array, Pixels
@@ -30,15 +40,46 @@ from fingerpad.exceptions import ImageError
 from fingerpad.geometry import Paraboloid
 from fingerpad.image import measure_contact_image
 from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
+from fingerpad.uncertainty import pool_random_effects
 
 RADII_RATIOS: Final = (1.0, 1.001, 1.1, 1.5, 3.0, 10.0, 100.0)
 RADIUS, LOAD, MODULUS = 8.0, 2.0, 0.1365  # mm, N, MPa
-# Radius, published E* in Pa, and Pa of its unit (tests/loading/data/README.md).
+# Radius, E* of the instrument or of nanite in Pa, and Pa of its unit (tests/loading/data/README.md).
 RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0, 1e6), "afm_cell.csv": (5.0, 480.3, 1e3)}
 
 # Semi-axes with the indentation of a contact, or with its area in an image; NaN where nothing is found.
 Measured: TypeAlias = tuple[float, float, float]
 _NONE: Final = (math.nan,) * 3
+
+# Semi-axes and indentation of each ratio in turn, then seconds for one contact.
+_IN_OWN_ENVIRONMENT: Final = """
+import json, math, sys, time
+peer, radius, load, modulus, ratios = json.loads(sys.argv[1])
+inf = float("inf")
+if peer == "slippy":
+    from slippy.contact import hertz_full
+    def solve(ratio):
+        found = hertz_full([radius * ratio, radius], [inf, inf], [0.75 * modulus, 1e15], [0.5, 0.0], load)
+        radii = found["contact_radii"]
+        return max(radii), min(radii[:2]), found["total_deflection"]
+else:
+    import tribology
+    def solve(ratio):
+        effective, x, y = tribology.reff(radius * ratio, radius, inf, inf)
+        a, b, _ = tribology.ahertz(effective, x, y, 2 * modulus, load)
+        depth = tribology.dhertz(modulus, radius * ratio, radius, 1e30, 1e30, load)
+        return max(a, b), min(a, b), depth
+rows = []
+for ratio in ratios:
+    try:
+        rows.append([float(x) for x in solve(ratio)])
+    except Exception:
+        rows.append([math.nan] * 3)
+start = time.perf_counter()
+for _ in range(20):
+    solve(3.0)
+print(json.dumps([rows, (time.perf_counter() - start) / 20]))
+"""
 
 
 def _pressed(ratio: ArrayLike) -> Contact:
@@ -47,7 +88,7 @@ def _pressed(ratio: ArrayLike) -> Contact:
 
 
 def hertz() -> None:
-    """Print the largest error of semi-axes and indentation, and the time of a contact."""
+    """Print the largest error of semi-axes and indentation, and the time of a contact, of each peer."""
     exact = np.array([[float(x) for x in exact_contact(r, RADIUS, LOAD, MODULUS)[:3]] for r in RADII_RATIOS])
     ratios = np.tile(RADII_RATIOS, 20_000)
     ours = _pressed(np.array(RADII_RATIOS))
@@ -58,6 +99,11 @@ def hertz() -> None:
         _errors("fingerpad", found, exact, f"{one:.0f} µs; {1e6 * many / ratios.size:.2f} µs of 140,000"),
         _errors("SciPy, root-finder", rooted, exact, f"{1e6 * best(lambda: _by_root(3.0)):.0f} µs"),
     ]
+    for peer in ("slippy", "tribology"):
+        if answer := _ask(peer):
+            rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
+        else:
+            rows.append((f"{peer}: not installed", "–", "–", "–"))
     table(
         ("elliptical Hertz contact", "semi-axes, largest error", "indentation", "one contact"),
         rows,
@@ -90,6 +136,19 @@ def _by_root(ratio: float) -> Measured:
     return c / np.sqrt(k), c * np.sqrt(k), (9 * LOAD**2 / (16 * MODULUS**2 * mean)) ** (1 / 3) * depth
 
 
+def _ask(peer: str) -> tuple[list[list[float]], float] | None:
+    interpreter = os.environ.get("FINGERPAD_PEERS")
+    if not interpreter:
+        return None
+    asked = json.dumps([peer, RADIUS, LOAD, MODULUS, RADII_RATIOS])
+    command = [interpreter, "-W", "ignore", "-c", _IN_OWN_ENVIRONMENT, asked]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    if done.returncode:
+        return None
+    rows, seconds = json.loads(done.stdout.splitlines()[-1])
+    return rows, seconds
+
+
 def contact_image(count: int) -> None:
     """Print errors of gross area and semi-axes on images of known truth, and the time of an image."""
     images = [image for _, image in independent_images(count, seed=77)]
@@ -100,8 +159,14 @@ def contact_image(count: int) -> None:
         ("scikit-image: Otsu, closing, largest region", _by_scikit_image),
         ("blur over a ridge, Otsu, largest region, as MATLAB scripts do", _by_blur),
         ("as an ImageJ macro: median, IsoData, close, fill, fit", _by_imagej),
+        ("pyfing: gradient magnitude (GMFS)", _by_pyfing),
     ):
-        errors = np.array([way(image) for image in images]) / truth - 1
+        try:
+            found = [way(image) for image in images]
+        except ImportError:
+            rows.append((f"{name}: not installed", *4 * ("–",), 0))
+            continue
+        errors = np.array(found) / truth - 1
         area, rms = errors[:, 0], float(np.sqrt(np.nanmean(errors[:, 1:] ** 2)))
         seconds = best(lambda way=way: way(images[0]), repeats=3)  # type: ignore[misc]
         none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area))))
@@ -144,6 +209,15 @@ def _by_imagej(image: IndependentImage) -> Measured:
     return _largest_region(ndimage.binary_fill_holes(closed), image)
 
 
+def _by_pyfing(image: IndependentImage) -> Measured:
+    """Measure by the gradient-magnitude segmentation of Cappelli (2023)."""
+    # which imports keras for networks that this method does without
+    sys.modules.setdefault("keras", ModuleType("keras"))
+    methods = import_module("pyfing.segmentation")
+    parameters = methods.GmfsParameters(image_dpi=round(25.4 / image.mm_per_px))
+    return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)
+
+
 def _dark_on_light(image: IndependentImage) -> Pixels:
     depth = np.iinfo(image.pixels.dtype).max
     grey = (image.pixels * (255.0 / depth)).astype(np.uint8)
@@ -159,6 +233,25 @@ def _largest_region(mask: Array, image: IndependentImage) -> Measured:
     return one.area_filled * scale**2, one.axis_major_length / 2 * scale, one.axis_minor_length / 2 * scale
 
 
+def pooled() -> None:
+    """Print how pooled means of random effects differ from statsmodels' on the same numbers."""
+    random = np.random.default_rng(4)
+    worst = np.zeros(2)
+    for count in (3, 5, 10, 20):
+        std = random.uniform(0.2, 1.0, count)
+        values = 14 + 0.6 * random.standard_normal(count) + std * random.standard_normal(count)
+        ours = pool_random_effects(values, std)
+        theirs = combine_effects(values, std**2, method_re="iterated")
+        frame = theirs.summary_frame()
+        difference = ours.value - frame.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
+        worst = np.maximum(worst, np.abs(difference))
+    table(
+        ("pooled means", "largest difference of the mean", "of the deviation between values"),
+        [("statsmodels, Paule and Mandel", f"{worst[0]:.1e} mm", f"{worst[1]:.1e} mm")],
+        "Means of random effects of 3 to 20 values",
+    )
+
+
 def loading(count: int) -> None:
     """Print errors of modulus and place of contact from records of force and displacement, radius known."""
     rows = []
@@ -170,9 +263,14 @@ def loading(count: int) -> None:
                 pad, place = random_pad(CURVES[name], rng), rng.uniform(-2, 2)
                 curve = replace(make_curve(CURVES[name], pad, place, rng), area=None)
                 start = time.perf_counter()
-                value, std, at = fit(curve, pad.radius)
+                answer = fit(curve, pad.radius)
                 spent = time.perf_counter() - start
-                found.append((value / pad.modulus - 1, std / pad.modulus, at - place, spent))
+                if answer is not None:
+                    value, std, at = answer
+                    found.append((value / pad.modulus - 1, std / pad.modulus, at - place, spent))
+            if not found:
+                rows.append((name, f"{way}: not installed", *4 * ("–",)))
+                continue
             e, std, at, spent = np.array(found).T
             micrometres = f"{1e3 * np.sqrt(np.mean(at**2)):.0f} µm"
             rows.append((name, way, off(e), stated(e, std), micrometres, f"{1e3 * np.median(spent):.0f} ms"))
@@ -186,16 +284,17 @@ def loading(count: int) -> None:
         whole = read_loading_curve(ROOT / "tests" / "loading" / "data" / name)
         ours = fit_loading_curve(whole, loading_radius=radius, stage_compliance=0.0, thickness=math.inf)
         secant = f"{unit * ours.reduced_modulus.value:.4g} ± {unit * ours.reduced_modulus.std:.2g}"
-        theirs = f"{unit * _fit_lmfit(whole, radius)[0] / 0.75:.4g}"
-        records.append((name, f"{instrument:g}", secant, theirs))
+        theirs = (fit(whole, radius) for fit in (_fit_lmfit, _fit_nanite))
+        cells = ("–" if one is None else f"{unit * one[0] / 0.75:.4g}" for one in theirs)
+        records.append((name, f"{instrument:g}", secant, *cells))
     table(
-        ("real record", "E* as published, Pa", "fingerpad", "lmfit"),
+        ("real record", "E* as published, Pa", "fingerpad", "lmfit", "nanite"),
         records,
         "Real records of gel and cell, made of the whole approach",
     )
 
 
-def _fit_ours(curve: LoadingCurve, radius: float) -> tuple[float, float, float]:
+def _fit_ours(curve: LoadingCurve, radius: float) -> tuple[float, float, float] | None:
     fit = fit_loading_curve(curve, loading_radius=radius, stage_compliance=0.0)
     return fit.initial_modulus.value, fit.initial_modulus.std, fit.contact_offset.value
 
@@ -223,7 +322,30 @@ def _fit_lmfit(curve: LoadingCurve, radius: float) -> tuple[float, float, float]
     return fit.params["E"].value, fit.params["E"].stderr or np.nan, fit.params["at"].value
 
 
-WAYS: Final = {"fingerpad": _fit_ours, "lmfit, paraboloid": _fit_lmfit}
+def _fit_nanite(curve: LoadingCurve, radius: float) -> tuple[float, float, float] | None:
+    try:
+        nanite = import_module("nanite")
+    except ImportError:
+        return None
+    x, load = _approach(curve)
+    # in metres, towards the sample negative
+    data: dict[str, Any] = {"force": load, "tip position": -1e-3 * x, "height (measured)": -1e-3 * x}
+    data |= {"time": np.arange(len(x)) * 1e-3, "segment": np.zeros(len(x), bool)}
+    meta = {"spring constant": 1.0, "path": "curve", "enum": 0, "imaging mode": "force-distance"}
+    record = nanite.Indentation(data=data, metadata=meta)
+    model = import_module("nanite.model.model_hertz_paraboloidal")
+    start = model.get_parameter_defaults()
+    at, modulus = _start(x, load, radius)
+    start["R"].value, start["nu"].value, start["E"].value = 1e-3 * radius, 0.5, 1e6 * modulus
+    start["contact_point"].value = -1e-3 * at
+    record.apply_preprocessing(["correct_force_offset"])
+    record.fit_model(model_key="hertz_para", params_initial=start, weight_cp=False, segment="approach")
+    found = record.fit_properties["params_fitted"]
+    std = 1e-6 * (found["E"].stderr or np.nan)
+    return 1e-6 * found["E"].value, std, -1e3 * found["contact_point"].value
+
+
+WAYS: Final = {"fingerpad": _fit_ours, "lmfit, paraboloid": _fit_lmfit, "nanite, hertz_para": _fit_nanite}
 
 
 def report(images: int = 1, curves: int = 8) -> None:
@@ -231,3 +353,4 @@ def report(images: int = 1, curves: int = 8) -> None:
     hertz()
     contact_image(images)
     loading(curves)
+    pooled()

@@ -415,14 +415,9 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     repeats = repeats.iloc[np.unique(items_of(repeats), return_index=True)[1]]
     common = math.exp(np.log(repeats["load_N"].to_numpy()).mean())
     factor = 1 - case.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
-    # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
-    of_ellipse = (
-        repeats["geometric_radius_from_area_mm"].to_numpy()
-        / repeats["geometric_radius_from_compliance_mm"].to_numpy()
-    )
     given = case.study.uncertainty
     load_std, gain_std = given.load_relative_std, given.load_gain_relative_std
-    of_modulus, (log_xi, xi_std) = _at_load(case.fits, common, factor * float(of_ellipse.mean()), gain_std)
+    of_modulus, (log_xi, xi_std) = _at_load(case.fits, common, factor, gain_std)
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
     )
@@ -468,7 +463,8 @@ def _at_load(
         xi, deepest = (float(np.interp(at, loads, depth)) for at in (load, fit.modulus_load))
         modulus = math.nan, math.nan
         if radius.known and top.known:
-            e = 0.75 * KPA_PER_MPA * factor * load / (math.sqrt(radius.value) * xi**1.5)
+            of_sphere = 0.75 * KPA_PER_MPA * load / (math.sqrt(radius.value) * xi**1.5)
+            e = factor * fit.shape_factor * of_sphere
             more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
             common_std = math.hypot(fit.misfit_std["reduced_modulus"], gain_std * top.value)
             at_top = _without(top.std, common_std) / top.value
