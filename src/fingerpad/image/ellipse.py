@@ -253,7 +253,7 @@ def flattest(points: FloatArray, share: float) -> float:
 
     def means(values: FloatArray) -> FloatArray:
         total = np.cumsum(np.concatenate([[0.0], values, values[: count - 1]]))
-        return (total[count:] - total[:-count]) / count
+        return np.asarray((total[count:] - total[:-count]) / count)
 
     mean_x, mean_y = means(x), means(y)
     xx, yy, xy = means(x * x) - mean_x**2, means(y * y) - mean_y**2, means(x * y) - mean_x * mean_y

@@ -234,7 +234,8 @@ def unlike_growth(table: pd.DataFrame, usual: float) -> dict[str, float]:
     depart by `usual`, relative.
     """
     rows, area = _areas(table)
-    names, found = items(rows["observation"]), {}
+    names = items(rows["observation"])
+    found: dict[str, float] = {}
     for places in groups(rows, "finger", *_PLACED).values():
         load = rows["load_N"].to_numpy()[places]
         one = pd.DataFrame({"load": np.log(load), "area": area[places].to_numpy()})
