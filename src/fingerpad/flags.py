@@ -148,6 +148,12 @@ _FRAME: Final = (
         "record the force from before the first frame until after the last, or check the delay",
     ),
     Flag(
+        "repeated_frame",
+        "the frame is the same picture as one before it, under another force",
+        "look why the camera, or what stored its frames, stood still",
+        "pooling",
+    ),
+    Flag(
         "out_of_step",
         "the area does not follow the force, for lost frames or wrong times",
         "give the frames' own times (times), or check frame rate, trigger, force and that no print is left",

@@ -14,6 +14,7 @@ from fingerpad.image import (
     FrameRate,
     FrameResult,
     Scale,
+    assign_times,
     estimate_settings,
     frame_clock,
     measure_sequence,
@@ -337,3 +338,26 @@ def test_a_force_that_is_left_after_the_contact_is_noted(results, signal, load, 
     summary = sequence_summary(with_force(results, load), signal)
     assert any("after the last frame in contact" in note for note in summary.notes) == noted
     assert summary.flags == ()
+
+
+def test_the_force_before_the_frames_shows_its_zero(results, signal):
+    offset, seen = ForceSignal(signal.time, signal.load + 0.05), results[CONTACT - 1 :]  # few are empty
+    shifted = list(assign_times(seen, np.empty(0), clock=FrameRate(FPS), force=offset))
+    np.testing.assert_allclose([one.load for one in shifted], [one.load for one in seen], atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("of_frame", "late", "words"),
+    [
+        ({14: 20, 20: 14}, 0.0, "the areas of frames 14 and 20 are far off"),
+        ({}, 0.1, "smaller while unloading"),
+        ({}, -0.1, None),  # as areas that lag behind
+    ],
+)
+def test_areas_that_no_finger_has_are_noted(results, of_frame, late, words):
+    odd = [
+        replace(one, measures=results[of_frame.get(k, k)].measures, load=float(true_load(one.time - late)))
+        for k, one in enumerate(results)
+    ]
+    notes = sequence_summary(odd).notes
+    assert words in notes[-1] if words else not any("areas" in note for note in notes)

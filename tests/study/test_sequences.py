@@ -179,6 +179,14 @@ def test_a_sequence_out_of_step_with_its_force_is_not_pooled(study_dir):
     )
 
 
+def test_frames_of_a_camera_that_stood_still_are_not_pooled(study_dir):
+    for k in (8, 9):
+        shutil.copy(study_dir / "frames" / "f7.png", study_dir / "frames" / f"f{k}.png")
+    result = run(study_dir)
+    assert "frames 8 and 9 are the same picture" in result.sequences[0].summary.notes[0]
+    assert list(result.rows["frame"][result.rows["excluding_flags"] == "repeated_frame"]) == [8, 9]
+
+
 def test_a_corrupt_frame_is_one_failed_row(study_dir):
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")

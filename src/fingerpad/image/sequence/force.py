@@ -29,7 +29,7 @@ _MIN_FRAMES: Final = 5  # fewer frames do not tell how well they are aligned wit
 _LEAST_LOAD: Final = 0.02  # of the largest; at less the zero of the sensor matters more than the time
 _REVERSED = 2.0  # a signal that goes so many times further below zero than above has the wrong sign
 # The zero of a force without contact.
-_MIN_BEFORE: Final = 4  # frames and samples, or more, show it
+_MIN_BEFORE: Final = 4  # frames or samples, or more, show it
 _WELL_BEFORE: Final = 2 / 3  # of the time before contact, from its beginning
 _STEADY: Final = 0.25  # of it; its halves agree to this
 _DEVIATIONS: Final = 5.0  # standard deviations that it is from zero
@@ -231,13 +231,11 @@ class FrameStamps(Displayed):
 FrameClock: TypeAlias = FrameRate | FrameStamps
 
 
-def zero_before_contact(force: ForceSignal, before: FloatArray, time: FloatArray, area: FloatArray) -> float:
+def level_before_contact(force: ForceSignal, before: FloatArray) -> float:
     """Return the level of a force without contact, N; 0 where it hardly differs from zero, or is not known.
 
-    `before` are times of frames without contact, the first contact excluded; `time` and `area` are of the
-    first frames in contact. The level is that of the first two thirds, since a touch may be too light to be
-    seen at the end. A touch of that load all the way would have been seen: by Hertz theory its area is a
-    twentieth of the largest or more, or, by the last frame in contact given, larger than in the first.
+    `before` are times of frames or samples without contact. The level is that of the first two thirds, since
+    a touch may be too light to be seen at the end.
     """
     if before.size < _MIN_BEFORE:
         return 0.0
@@ -250,11 +248,20 @@ def zero_before_contact(force: ForceSignal, before: FloatArray, time: FloatArray
     steady = abs(early - late) < _STEADY * abs(zero)
     clear = abs(zero) > _DEVIATIONS * float(level.std()) / math.sqrt(level.size)
     matters = abs(zero) > _LEAST_ZERO * (high - zero) and zero < low + _LEAST_CONTACT * (high - low)
-    if not (steady and clear and matters):
-        return 0.0
-    if zero < 0:
+    return zero if steady and clear and matters else 0.0
+
+
+def zero_before_contact(force: ForceSignal, before: FloatArray, time: FloatArray, area: FloatArray) -> float:
+    """Return what `level_before_contact` finds, N; 0 where it may be a touch too light to be seen.
+
+    `time` and `area` are of the first frames in contact. A touch of that load all the way would have been
+    seen: by Hertz theory its area is a twentieth of the largest or more, or, by the last of these frames,
+    larger than in the first.
+    """
+    zero = level_before_contact(force, before)
+    if zero <= 0:
         return zero
-    of_largest, of_last = (zero / np.maximum([high, force.load_at(time[-1])], zero)) ** (2 / 3)
+    of_largest, of_last = (zero / np.maximum([force.load.max(), force.load_at(time[-1])], zero)) ** (2 / 3)
     seen = of_largest > _SEEN_OF_LARGEST or of_last * area[-1] > _SEEN_OF_FIRST * area[0]
     return zero if seen else 0.0
 

@@ -31,6 +31,7 @@ from fingerpad.image.sequence.result import FrameResult
 
 _SETTINGS_FRAMES: Final = 5
 _TEXTURE_WINDOW_MM: Final = 1.5  # wider than a ridge, narrower than a finger: texture is left after it
+_REPEATED: Final = 0.02  # of the largest force; by more it changes while the picture does not
 _MIN_TEXTURE: Final = 0.01  # of the busiest frame's; with less there is no contact that could be measured
 
 
@@ -301,18 +302,15 @@ def measure_frames(
     scale = as_scale(scale)
     # Frames share a relative level: a threshold has gone into learning the contrast.
     read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
-
-    smooth = options.get("surface") == "smooth"
-    little = (
-        "hardly differs from the background" if smooth else "is smooth"
-    ) + " beside those of the largest contact"
+    empty = "hardly differs from the background" if options.get("surface") == "smooth" else "is smooth"
 
     def measured(frame: Frame) -> FrameResult:
         if frame.pixels is None:
             return FrameResult(index=frame.index, readable=False, reason=frame.reason)
         try:
             if texture_of(frame.pixels, scale, options) < settings.min_texture:
-                return FrameResult(index=frame.index, reason=f"no contact found: the frame {little}")
+                reason = f"no contact found: the frame {empty} beside those of the largest contact"
+                return FrameResult(index=frame.index, reason=reason)
             contact_image = measure_contact_image(frame.pixels, scale, **read)
         except MemoryError:  # the limit of the process, not a fault of this frame
             raise
@@ -325,18 +323,18 @@ def measure_frames(
     return map(measured, frames)
 
 
-def _zero(seen: list[FrameResult], force: ForceSignal, clock: FrameClock) -> float:
-    """Return what the force shows without contact, N, from the frames up to those of first contact."""
+def _zero(seen: list[FrameResult], force: ForceSignal, clock: FrameClock, found: PhaseIntervals) -> float:
+    """Return what the force shows without contact, N: while frames show none, or else before its phases."""
     contacts = seen[-PERSISTENCE:]
-    without = takewhile(lambda result: result.measures is None, seen)
+    empty = [one for one in takewhile(lambda one: one.measures is None, seen) if one.readable]
     before, during = (
-        np.array([clock.time_of(result.index, contacts[0].index) for result in results])
-        for results in ([result for result in without if result.readable], contacts)
+        np.array([clock.time_of(one.index, contacts[0].index) for one in part]) for part in (empty, contacts)
     )
     if not (np.isfinite(before).all() and np.isfinite(during).all()):
         return 0.0
     area = np.array([result.measures["gross_area_mm2"] for result in contacts if result.measures])
-    return zero_before_contact(force, before, during, area)
+    own = force.time[force.time < min(during[0], *found.start)]
+    return zero_before_contact(force, before, during, area) or zero_before_contact(force, own, during, area)
 
 
 def assign_times(
@@ -376,12 +374,21 @@ def assign_times(
             return "loading" if phase == "before" else "unloading" if phase == "after" else phase
         return phase
 
+    shown, shown_load = "", math.nan  # numbers of the last picture, and load of the first that had them
+    changed = math.inf if force is None else _REPEATED * float(force.load.max())
+
     def placed(result: FrameResult) -> FrameResult:
+        nonlocal shown, shown_load
         time = math.nan if clock is None else clock.time_of(result.index, first_contact)
         load = math.nan if force is None else float(force.load_at(time)) - zero
+        # Noise alone gives every picture other numbers. As text, NaN is equal to NaN.
+        numbers = str([(result.measures or {}).get(name) for name in ("gross_area_mm2", "ridge_area_mm2")])
+        if result.measures is None or numbers != shown:
+            shown, shown_load = numbers, load
         doubts = {
             "no_time": clock is not None and math.isnan(time),
             "no_force": force is not None and math.isnan(load),
+            "repeated_frame": abs(load - shown_load) > changed,
         }
         flags = (*result.flags, *(flag for flag, doubted in doubts.items() if doubted))
         timed = replace(result, time=time, load=load, flags=flags)
@@ -399,7 +406,7 @@ def assign_times(
         if run == PERSISTENCE:
             first_contact = waiting[-PERSISTENCE].index
             if force is not None and clock is not None:
-                zero = _zero(waiting, force, clock)
+                zero = _zero(waiting, force, clock, found)
             yield from map(placed, waiting)
             waiting.clear()
     yield from map(placed, waiting)

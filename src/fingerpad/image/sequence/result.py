@@ -12,7 +12,8 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array, robust_std
 from fingerpad._display import Displayed
 from fingerpad._plausible import unit_doubts
-from fingerpad.image.sequence.force import ForceSignal, FrameClock, FrameRate
+from fingerpad._words import joined
+from fingerpad.image.sequence.force import ForceSignal, FrameClock, FrameRate, level_before_contact
 from fingerpad.image.sequence.frames import Frames
 from fingerpad.image.sequence.phases import Phase
 
@@ -40,7 +41,8 @@ class FrameResult(Displayed):
     is_first_contact : bool
         Whether this is the first frame of a contact that persists.
     flags : tuple of str
-        Doubts: those of the contact image, ``no_force`` outside the force signal, ``no_time`` without a time.
+        Doubts: those of the contact image, ``no_force`` outside the force signal, ``no_time`` without a time,
+        ``repeated_frame`` where the picture is the same as before, and the force is not.
 
     Examples
     --------
@@ -128,6 +130,8 @@ _TIMES_EXPECTED: Final = 1.5  # and by so many times what is expected
 _LASTING: Final = 0.7  # of it; the least of three areas after it exceeds the largest of three before by this
 _MIN_TESTED: Final = 4
 _HERTZ: Final = 2 / 3
+_COMPARED: Final = 0.2  # of the largest force; with less, a wrong zero matters
+_LEAST_OFF: Final = 0.15  # of the area; by more it is outside those beside it where frames are exchanged
 
 
 def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
@@ -178,7 +182,7 @@ def find_jump(time: FloatArray, load: FloatArray, area: FloatArray, loading: Boo
 def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     """Return why frames in contact are not in step with the force, None where nothing tells.
 
-    `contacts` are their numbers, times, loads, areas, and whether they are loading.
+    `contacts` are their numbers, times, loads, areas, and 1 where they are loading, −1 where unloading.
     """
     frames, times, loads, areas, loading = contacts
     if areas.size < _MIN_FRAMES_TO_COMPARE:
@@ -201,6 +205,47 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     )
 
 
+def _off_neighbours(values: FloatArray) -> FloatArray:
+    """Return by how much each value lies outside the two before and the two after it, where it does."""
+    from scipy import ndimage  # noqa: PLC0415 (slow to import, seldom needed)
+
+    second, last_but_one = (ndimage.rank_filter(values, rank, size=5) for rank in (1, -2))
+    return as_float_array(np.maximum(second - values, values - last_but_one))
+
+
+def _unlike_others(contacts: FloatArray) -> Iterator[str]:
+    """Yield what no finger does with its area from frame to frame, or while it is unloaded."""
+    frames, _, loads, areas, phases = contacts
+    if unloaded := np.count_nonzero(loads <= 0):
+        yield (
+            f"{unloaded} of {loads.size} frames show contact while the force is not above zero: check "
+            "trigger, frame rate and zero of the force"
+        )
+    if areas.size < _MIN_FRAMES_TO_COMPARE:
+        return
+    grown, ordered = np.log(areas), np.log(areas)
+    odd = np.flatnonzero(_off_neighbours(grown) > _LEAST_OFF)
+    ordered[odd[np.argsort(loads[odd])]] = np.sort(grown[odd])
+    # Outliers of any other kind, and turning points, are no better in each other's place.
+    if odd.size and _off_neighbours(ordered)[odd].max() < _LEAST_JUMP:
+        yield (
+            f"the areas of frames {joined((f'{frame:.0f}' for frame in frames[odd]), 6)} are far off those "
+            "before and after, and would fit in each other's place: are these frames exchanged?"
+        )
+        return
+    up = sorted(np.flatnonzero((phases > 0) & (loads > 0)), key=loads.item)
+    if not up:
+        return
+    down = (phases < 0) & (loads > max(_COMPARED * loads.max(), loads[up[0]]))
+    larger = grown[down] - np.interp(np.log(loads[down]), np.log(loads[up]), grown[up])
+    # Areas lag behind the force, and those of a held pad grow.
+    if larger.size >= _MIN_TESTED and np.quantile(larger, 0.75) < -_LEAST_JUMP:
+        yield (
+            f"areas are {-math.expm1(np.median(larger)):.0%} smaller while unloading than while loading "
+            "under the same force, as of no finger: are frames early, or does the force come late or drift?"
+        )
+
+
 def _off_zero(contacts: FloatArray, after: FloatArray, force: ForceSignal) -> Iterator[str]:
     """Yield what was subtracted from the force of frames in contact, and what is left of it after them.
 
@@ -210,9 +255,10 @@ def _off_zero(contacts: FloatArray, after: FloatArray, force: ForceSignal) -> It
         return
     _, times, loads, *_ = contacts
     zero = float(force.load_at(times[0]) - loads[0])
-    if zero:
+    if level := zero or max(0.0, level_before_contact(force, force.time[force.time < times[0]])):
+        done = "was subtracted from" if zero else "may be a touch too light to be seen, and is kept in"
         yield (
-            f"the force was {zero:.2g} N before first contact, which was subtracted from all loads: tare the "
+            f"the force was {level:.2g} N before first contact, which {done} all loads: tare the "
             "sensor before a press"
         )
     if after.size < _FRAMES_LEFT:
@@ -270,10 +316,10 @@ def sequence_summary(
     >>> sequence_summary([FrameResult(index=0, readable=False, reason="cut short")]).failed
     1
     """
-    counts: Counter[str] = Counter()
-    phases: Counter[str] = Counter()
+    counts, phases = Counter[str](), Counter[str]()
     first_contact, largest, largest_area = None, None, 0.0
     start, end, reason = math.inf, -math.inf, None
+    repeated: list[str] = []
     loaded = array("d")  # frames as `_out_of_step` takes them, those without contact with an area of zero
     for result in results:
         counts["all"] += 1
@@ -286,8 +332,11 @@ def sequence_summary(
         area = 0.0 if result.measures is None else result.measures["gross_area_mm2"]
         if area > largest_area:
             largest, largest_area = result.index, area
-        if result.readable and math.isfinite(result.load):
-            loaded.extend((result.index, result.time, result.load, area, result.phase == "loading"))
+        if "repeated_frame" in result.flags:
+            repeated.append(str(result.index))
+        elif result.readable and math.isfinite(result.load):
+            direction = (result.phase == "loading") - (result.phase == "unloading")
+            loaded.extend((result.index, result.time, result.load, area, direction))
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
@@ -301,17 +350,14 @@ def sequence_summary(
     if force is not None:
         notes += _spans_apart(force, (start, end), counts)
         notes += _off_zero(seen, in_order[2, touching.max(initial=-1) + 1 :], force)
-    doubt = _out_of_step(seen, force)
-    flags = () if doubt is None else ("out_of_step",)
-    if doubt is not None:
-        notes.append(doubt)
-    elif unloaded := np.count_nonzero(seen[2] <= 0):
-        notes.append(
-            f"{unloaded} of {seen.shape[1]} frames show contact while the force is not above zero: check "
-            "trigger, frame rate and zero of the force"
-        )
-    if force is not None:
         notes += unit_doubts(force.load, force.displacement)
+    doubt = _out_of_step(seen, force)
+    notes += _unlike_others(seen) if doubt is None else [doubt]
+    if repeated:
+        notes.append(
+            f"frames {joined(repeated, 6)} are the same picture as one before, while the force changes, and "
+            "are not pooled: did the camera stand still?"
+        )
     if counts["failed"]:
         notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")
     return SequenceSummary(
@@ -323,5 +369,5 @@ def sequence_summary(
         largest=largest,
         phases=dict(phases),
         notes=tuple(notes),
-        flags=flags,
+        flags=() if doubt is None else ("out_of_step",),
     )

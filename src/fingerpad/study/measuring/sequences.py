@@ -367,7 +367,7 @@ class OpenedSequence:
         if not result.readable:
             seen = Measurement(reason=result.reason)
         elif result.measures is not None and result.phase in IN_CONTACT:
-            seen = from_record(Measurement, result.measures)
+            seen = replace(from_record(Measurement, result.measures), flags=result.flags)
         else:
             return None
         return replace(
