@@ -247,7 +247,6 @@ def _require_determined(fit: LeastSquaresFit) -> None:
         )
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a power law far from where it was fitted
 def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
     """Return where the profile of a parameter, as a signed root, reaches the 95 % point of Student's t."""
     target = float(special.stdtrit(fit.degrees_of_freedom, 0.975))
