@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
-from fingerpad.image.ellipse import polygon_moments
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 _MIN_BORDER: Final = 0.02  # of the picture; an added border is no less
@@ -18,8 +17,7 @@ _RIPPLE: Final = 4 / 255  # of the range; lossy compression leaves such ripples 
 _MIN_CONVEXITY: Final = 0.96
 _MIN_STRAIGHTNESS: Final = 0.7  # share of the outline in sides
 _LONG_SIDE: Final = 0.2  # of the picture's; a side is no shorter
-# A whole contact with flat sides is rounder than a card, and leaves more of the picture to the ground.
-_ROUND, _LARGE = 0.95, 0.7
+_SAME: Final = 0.5  # of a border, but less of a ground in uneven light, has its level without a ripple
 _SLACK: Final = 0.1  # these limits are so much wider where letters stick out of a card, or grain runs into it
 _BLUNTNESS: Final = 0.005  # of the longest side; corners may be so far off: small prints stay as they are
 _BORDER_PX: Final = 240  # longer side of a copy that is fine enough for a border
@@ -56,9 +54,13 @@ def without_added_border(
         # A print on an even ground mostly shows that it is no card before grain and letters are looked at.
         if enough and _is_card(card, _SLACK):
             card = _plain_card(card)
-            if _is_card(card):
+            if _is_card(card) and _is_of_one_level(small[~card], width / 8):
                 return cv2.resize(card.view(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
+
+
+def _is_of_one_level(border: Float32Array, width: float) -> bool:
+    return bool(np.mean(np.abs(border - np.median(border)) <= width) > _SAME)
 
 
 def _plain_card(card: BoolArray) -> BoolArray:
@@ -85,10 +87,7 @@ def _is_card(card: BoolArray, slack: float = 0.0) -> bool:
     corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
-    if not straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum():
-        return False
-    outline = hull.reshape(-1, 2).astype(np.float64)
-    return bool(card.mean() > _LARGE or polygon_moments(outline).overlap(outline) < _ROUND)
+    return bool(straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum())
 
 
 def flattened(
