@@ -4,14 +4,16 @@ Each tab records its requests and console messages; each test ends by checking t
 other machines and no messages.
 """
 
+import json
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 from playwright.sync_api import Browser, Locator, Page, Request, Route, expect
@@ -201,6 +203,17 @@ class Late:
         with self.page.expect_event("requestfinished", lambda done: done == self.held.request):
             self.held.fulfill(response=self.answer)
         settle(self.page)
+
+
+def manifest(folder: Path) -> dict[str, Any]:
+    """Return what a study states."""
+    return tomllib.loads((folder / "study.toml").read_text())
+
+
+def corrections(folder: Path) -> list[dict[str, Any]]:
+    """Return the corrections of a study, the last one at the end."""
+    log = folder / "corrections.jsonl"
+    return [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
 
 
 def numbers(page: Page, part: str = "numbers") -> str:

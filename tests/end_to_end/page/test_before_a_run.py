@@ -1,11 +1,20 @@
 """What the page shows and keeps before the first run."""
 
+import re
 import shutil
 
 import numpy as np
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, numbers, unexplained
+from tests.end_to_end.page.browser import (
+    Tab,
+    manifest,
+    numbers,
+    require_picture,
+    served,
+    unexplained,
+)
+from tests.smooth_study import area_at, make_smooth_study
 
 from fingerpad.study.results.table import GLOSSARY
 
@@ -68,3 +77,76 @@ def test_names_of_other_signs_are_refused_in_their_field(example_tab: Tab, examp
     expect(finger).to_be_focused()
     assert finger.evaluate("field => field.matches(':invalid')")
     assert (example / "study.toml").read_text() == before
+
+
+# A study that lacks something: its pictures show, and what is missing is entered where it stands
+
+
+def without(example, pattern: str) -> None:
+    """Take the first place of a pattern out of the manifest."""
+    manifest = example / "study.toml"
+    text, count = re.subn(pattern, "", manifest.read_text(), count=1)
+    assert count == 1
+    manifest.write_text(text)
+
+
+def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, example) -> None:
+    without(example, r"load_N = 1\n")
+    without(example, r'scale = "reader"\n(?=\n\[\[observations\]\]\nname = "contact_1N")')
+    example_tab.expected.append("422")
+    page = example_tab.open("contacts/images/contact_1N")
+    require_picture(page)
+    side = page.locator(".inspector")
+    assert "Gross area" in numbers(page)
+    side.get_by_text("the load is missing").wait_for()
+    side.get_by_label(re.compile("the load is missing")).fill("1")
+    side.get_by_label(re.compile("the load is missing")).press("Enter")
+    side.get_by_text("the load is missing").wait_for(state="detached")
+    assert manifest(example)["observations"][1]["load_N"] == 1
+    page.keyboard.press("ArrowLeft")
+    require_picture(page)
+    side.get_by_role("alert").get_by_text("state the scale").wait_for()
+    expect(page.locator(".scale-bar")).to_be_hidden()  # not that of the picture before
+    # A correction is kept before the entry is complete.
+    page.keyboard.press("x")  # which goes on to the next image
+    page.wait_for_url(re.compile("contact_1N"))
+    assert '"rejected"' in (example / "corrections.jsonl").read_text()
+    # And in the list on the study's page.
+    example_tab.go("study")
+    page.get_by_label(re.compile("its scale is missing .contact_0.5N")).select_option("reader")
+    page.get_by_text("Nothing is missing.").wait_for()
+    assert manifest(example)["observations"][0]["scale"] == "reader"
+
+
+# The surface of contacts: chosen on the page for a contact, a sequence and a study, and said above it
+
+
+@pytest.fixture
+def smooth(tmp_path):
+    return make_smooth_study(tmp_path / "smooth", None).parent
+
+
+@pytest.fixture
+def page_of(browser, smooth):
+    with served(smooth.parent, smooth) as server:
+        tab = Tab(browser, server)
+        yield tab.open
+        tab.close()
+
+
+def area(page) -> float:
+    return float(re.search(r"Gross area\s+([\d.]+) ±", numbers(page)).group(1))
+
+
+def test_a_contact_is_said_to_be_smooth(page_of, smooth) -> None:
+    page = page_of("contacts/images/contact")
+    page.get_by_label("Surface", exact=True).select_option("smooth")
+    expect(page.get_by_text("smooth surface", exact=True)).to_be_visible()
+    expect(page.locator("[data-live=numbers]")).to_contain_text("Gross area")
+    assert area(page) == pytest.approx(area_at(2.0), rel=0.02)
+    assert "Ridge" not in numbers(page)
+    assert page.get_by_label("Threshold, grey levels").count() == 0
+    assert manifest(smooth)["observations"][0]["surface"] == "smooth"
+    page.get_by_label("Surface", exact=True).select_option("ridged")
+    expect(page.get_by_text("smooth surface", exact=True)).to_have_count(0)
+    assert manifest(smooth)["observations"][0]["surface"] == "ridged"

@@ -1,12 +1,14 @@
 """New studies: files, scale, run, export and import."""
 
+import math
 import re
 import shutil
-import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+from benchmarks.truth.grids import Scene
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from tests.end_to_end.page.browser import (
     DEMO,
@@ -14,6 +16,7 @@ from tests.end_to_end.page.browser import (
     box,
     drag,
     focus,
+    manifest,
     middle,
     moving,
     numbers,
@@ -21,6 +24,8 @@ from tests.end_to_end.page.browser import (
     settle,
     stroke,
 )
+
+from fingerpad.simulate import render_coin
 
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 
@@ -105,6 +110,29 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     assert manifest.count("[[observations]]") == 3
     assert manifest.count("synthetic = true") == 6
     assert "wedge_angle_deg_std = 0.5" in manifest
+
+
+def test_area_against_load_of_six_prints_takes_at_most_20_actions(empty_tab: Tab, tmp_path) -> None:
+    """Cameras name pictures by number, the finger's semi-axes are not known, and loads are written down."""
+    page = empty_tab.open()
+    files = [Path(shutil.copy(CONTACTS[k % 3], tmp_path / f"IMG_{k}.png")) for k in range(6)]
+    actions = [
+        (page.get_by_label("Title").fill, "Prints"),
+        (page.keyboard.press, "Enter"),
+        (page.locator("input[type=file][multiple]").set_input_files, files),
+        (page.get_by_label("Finger of all new files").fill, "left_index"),
+        (page.get_by_label("Wedge angle of all new files, degrees").fill, "30"),
+        (page.get_by_label("Scale of all new contact images").fill, "500 ppi"),
+        *((page.get_by_label(f"Load of IMG_{k}.png, newtons").fill, str(k + 1)) for k in range(6)),
+        (page.get_by_role("button", name="Add to study").click,),
+        (page.get_by_role("link", name="Run the study").click,),
+        (page.get_by_role("link", name="See the results").click,),
+    ]
+    assert len(actions) <= 20
+    for do, *what in actions:
+        do(*what)
+    expect(page.locator(".chart .ytitle")).to_contain_text("contact area")
+    expect(page.locator(".chart .scatterlayer .point")).to_have_count(6)
 
 
 def require_plot_in_view(page) -> None:
@@ -193,7 +221,7 @@ def test_wrong_value_is_refused_and_a_finger_is_renamed_with_its_contacts(tab: T
         page.get_by_label("Name of the finger").fill(name)
         page.keyboard.press("Enter")
         answered.wait_for()
-    names = {finger["name"] for finger in tomllib.loads((demo / "study.toml").read_text())["fingers"]}
+    names = {finger["name"] for finger in manifest(demo)["fingers"]}
     assert names == {"right_middle", "left_index_direct", "synthetic_pad"}
     rows = (demo / "observations.csv").read_text()
     assert "left_index_ellipse" not in rows
@@ -254,3 +282,66 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
+
+
+# Scales by three points on a rim and by a grid, and contact images rectified by it
+
+
+def new_scale(page, way: str, file: str) -> None:
+    page.get_by_role("button", name="New scale").first.click()
+    page.get_by_role("radio", name=way, exact=True).click()
+    page.get_by_label("Image", exact=True).select_option(file)
+
+
+def scale_of(text: str) -> tuple[float, float]:
+    value, std = re.search(r"([\d.]+) ± ([\d.]+)", text).groups()
+    return float(value), float(std)
+
+
+def test_three_points_on_the_rim_of_a_coin(tab: Tab, demo) -> None:
+    coin = render_coin(seed=1)
+    Image.fromarray(coin.pixels).save(demo / "some_coin.png")
+    page = tab.open("scale")
+    new_scale(page, "Circle", "some_coin.png")
+    require_picture(page)
+    place = box(page.locator(".stage .picture"))
+    zoom = place["width"] / coin.pixels.shape[1]
+    (row, column), radius = coin.centre, float(coin.ellipse.semi_major)
+    for turn in (0.3, 2.4, 4.5):
+        page.mouse.click(
+            place["x"] + zoom * (column + 0.5 + radius * math.cos(turn)),
+            place["y"] + zoom * (row + 0.5 + radius * math.sin(turn)),
+        )
+    page.get_by_label("Diameter", exact=True).fill("20")
+    page.keyboard.press("Tab")
+    before = numbers(page, "scale")
+    found, std = scale_of(before)
+    assert found == pytest.approx(10 / radius, rel=0.02)
+    assert std > 0
+    expect(page.locator("path.coin")).to_have_attribute("d", re.compile("."))
+    focus(page, "Point 1 on the rim").press("Shift+ArrowRight")
+    moving(page, before, "scale")
+
+
+def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> None:
+    board = Scene(tilt=0.35, turn=0.5).picture((7, 9), 4.0, "checkerboard")
+    Image.fromarray(board).save(demo / "board.png")
+    page = tab.open("scale")
+    new_scale(page, "Grid", "board.png")
+    for name, value in {"Points down": "7", "Points along": "9", "Spacing": "4"}.items():
+        page.get_by_label(name).fill(value)
+    page.keyboard.press("Tab")
+    found, std = scale_of(numbers(page, "scale"))
+    assert std > 0.05 * found
+    page.get_by_text("rectify the pictures by their grid").wait_for()
+    page.get_by_label("Name", exact=True).fill("board")
+    page.get_by_role("button", name="Only contact images").click()
+    page.get_by_role("button", name="Save scale").click()
+    page.get_by_role("button", name=re.compile(r"Rectify \d+ contact images")).click()
+    page.get_by_role("heading", name="Scale board_rectified").wait_for()
+    study = manifest(demo)
+    assert study["scales"]["board_rectified"]["mm_per_px"] == pytest.approx(found, rel=2e-3)
+    assert study["scales"]["board_rectified"]["relative_std"] < 0.005
+    tab.go("contacts/images/synthetic_30deg_2N")
+    page.locator(".context", has_text="scale board_rectified").wait_for()
+    assert (demo / "rectified" / "synthetic__synthetic_30deg_2N.png").is_file()

@@ -1,13 +1,23 @@
 """Accessibility, speed, several windows, and a killed server."""
 
-import json
-import tomllib
 from importlib import resources
 
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import DEMO, Late, Tab, changed, drag, focus, numbers, served, settle
+from tests.end_to_end.page.browser import (
+    DEMO,
+    Late,
+    Tab,
+    changed,
+    corrections,
+    drag,
+    focus,
+    manifest,
+    numbers,
+    served,
+    settle,
+)
 from tests.studies import finger, sequence, write_numbers, write_study
 
 # Each step, and what stands there once it is drawn.
@@ -95,7 +105,7 @@ def enter_threshold(page: Page) -> None:
 
 def require_both_kept(page: Page, demo) -> None:
     expect(page.locator(".history li")).to_have_count(2)
-    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
+    last = corrections(demo)[-1]
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
@@ -164,5 +174,5 @@ def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
         page.keyboard.type(typed)
     expect(page.get_by_label("Load, relative ±")).to_have_value("0.02")
     expect(page.get_by_label("Load, relative ±")).to_be_focused()
-    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
+    said = manifest(demo)["uncertainty"]
     assert said == {"wedge_angle_deg_std": 0.6, "roll_angle_deg_std": 0.25, "load_relative_std": 0.02}

@@ -1,6 +1,5 @@
 """Review of photographs: outline, axes, points, region, lengths, and the combined pad."""
 
-import json
 import re
 import shutil
 from collections.abc import Iterator
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Tab, changed, lift, middle, moving, numbers, stroke
+from tests.end_to_end.page.browser import Tab, changed, corrections, lift, middle, moving, numbers, stroke
 
 
 @pytest.fixture(scope="module")
@@ -21,10 +20,6 @@ def demo(same_files) -> Iterator[Path]:
     """The study without corrections; fits of its photographs, the same files each time, are cached."""
     yield same_files
     (same_files / "corrections.jsonl").unlink(missing_ok=True)
-
-
-def last_change(demo) -> dict:
-    return json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])["change"]
 
 
 def distal(text: str) -> float:
@@ -45,7 +40,7 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     lift(page)
     assert distal(numbers(page, "finger")) < distal(pad) - 0.02
     expect(page.get_by_text("manual", exact=True)).to_be_visible()
-    assert list(last_change(demo)) == ["ellipse_px"]
+    assert list(corrections(demo)[-1]["change"]) == ["ellipse_px"]
     expect(page.locator(".difference .number").first).to_have_text(re.compile(r"^[+−]\d+\.\d %$"))
     page.keyboard.press("u")
     assert numbers(page, "finger") == pad
@@ -62,15 +57,15 @@ def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 60, y - 170), (x + 60, y - 170))
     fewer = changed(page, before, "face")
-    assert set(last_change(demo)) == {"erased"}
+    assert set(corrections(demo)[-1]["change"]) == {"erased"}
     page.keyboard.press("b")
     page.mouse.click(x, y - 178)
     changed(page, fewer, "face")
-    assert len(last_change(demo)["added_points_px"]) == 1
+    assert len(corrections(demo)[-1]["change"]["added_points_px"]) == 1
     point = page.get_by_role("button", name=re.compile("^Point 1 added"))
     point.press("Delete")
     assert numbers(page, "face") == fewer
-    assert set(last_change(demo)) == {"erased"}
+    assert set(corrections(demo)[-1]["change"]) == {"erased"}
 
 
 def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, example, results) -> None:
