@@ -62,7 +62,11 @@ def test_paraboloids_equal_hertz(ratio: float, points: int) -> None:
 def test_power_law_shapes_equal_sneddon(power: int, factor: float) -> None:
     # Gap r^n: ξ = factor·a^n, W = 2n/(n + 1) E* a ξ (Johnson 1985, Eq. 5.20).
     found = solve_gap(
-        lambda x, y: (x**2 + y**2) ** (power // 2) / 1000, HALF_SPACE, half_widths=(3, 3), area=math.pi * 4
+        lambda x, y: (x**2 + y**2) ** (power // 2) / 1000,
+        HALF_SPACE,
+        half_widths=(3, 3),
+        area=math.pi * 4,
+        points=128,
     )
     indentation = factor * 2.0**power / 1000
     assert_allclose(found.indentation, indentation, rtol=4e-3)
@@ -272,8 +276,3 @@ def test_one_contact_at_a_time() -> None:
     one = Placement(PAD, wedge_angle=np.radians(45))
     solved = [solve_contact(each, SOFT, load=1.0, points=64).area for each in (two[1], one)]
     assert solved[0] == solved[1]
-
-
-def test_a_load_that_flattens_the_pad_is_refused() -> None:
-    with pytest.raises(GeometryError, match="load would flatten the pad to its silhouette"):
-        solve_contact(PLACEMENT, SOFT, load=2000.0, points=64)

@@ -14,6 +14,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.study.results import load as of_run
 from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
 
+pytestmark = pytest.mark.usefixtures("coarse_elements")
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
 USUAL = (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 8)
 PLACE = fp.Placement(fp.Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))

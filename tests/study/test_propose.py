@@ -170,7 +170,7 @@ def test_what_no_finger_is_stated_of_is_left(camera_files):
 
 def test_what_states_a_load_is_a_contact_image(tmp_path):
     """In its name or in a spreadsheet; as such also in a folder that could hold frames."""
-    shown = ruler_scene(KINDS[0], 3, side=480)
+    shown = ruler_scene(KINDS[0], 3, side=240)
     for folder, names in {
         "named": [f"P01_LI_{wedge}deg_{load}N" for wedge in range(11) for load in (0.3, 2)],
         "listed": ["a", "b"],

@@ -10,6 +10,7 @@ import fingerpad as fp
 from fingerpad.study.results.load import measured_pad
 from fingerpad.web.api import simulator
 
+pytestmark = pytest.mark.usefixtures("coarse_elements")
 PATH = "/api/studies/demo/results/simulator"
 
 
