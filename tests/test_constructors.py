@@ -2,6 +2,7 @@
 
 import dataclasses
 import pickle
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import tifffile
 from PIL import Image
 
 from fingerpad import Estimate
+from fingerpad._arrays import as_float_array
 from fingerpad.contact import (
     Tissue,
     equivalent_radius_from_area,
@@ -29,6 +31,7 @@ from fingerpad.exceptions import (
     GeometryError,
     ImageError,
     LoadingError,
+    UncertaintyError,
 )
 from fingerpad.geometry import Counterface, Ellipse, Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.image import (
@@ -57,7 +60,7 @@ from fingerpad.image import (
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve, secant_modulus
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
-from fingerpad.uncertainty import Inputs, pad_model, propagate
+from fingerpad.uncertainty import Inputs, pad_model, pool, pool_random_effects, propagate
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
@@ -69,6 +72,7 @@ STROKE = {"action": "add", "points": [(9, 9)], "radius": 2}
 CENTRE = {"centre": (9, 9)}
 
 
+AGAINST_A_BALL = Placement(PAD, wedge_angle=0.5, counterface=Counterface.sphere(10.0))
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
 
 
@@ -88,12 +92,37 @@ INVALID = {
         (lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}), "palmar face: semi_axes must be two pos"),
     ],
     GeometryError: [
+        *(
+            (partial(dataclasses.replace, PAD, **{name: bad}), f"semi-axis {name} must be positive")
+            for name in ("palmar", "distal", "radial_ulnar")
+            for bad in (0, -1.0, np.nan, np.inf)
+        ),
+        (lambda: Ellipse(4.0, 5.0), "semi_minor must be no longer than semi_major .*, found 5"),
+        (lambda: Ellipse(0.0, 0.0), "semi_major must be positive and finite, found 0"),
+        (lambda: Ellipse(5.0, -1.0), "semi_minor must be positive and finite, found -1"),
+        (lambda: Ellipse(np.nan, 1.0), "semi_major must be positive and finite, found nan"),
+        (lambda: Ellipse(np.inf, 1.0), "semi_major must be positive and finite, found inf"),
+        (lambda: Ellipse([5.0, 5.0], [4.0, 6.0]), "found 6 at index 1"),
+        (lambda: Placement(PAD, wedge_angle=-1e-9), "wedge_angle must be between 0 and π/2 .*, found"),
+        (lambda: Placement(PAD, wedge_angle=np.radians(90.001)), "wedge_angle must be between 0 and π/2"),
+        (lambda: Placement(PAD, wedge_angle=np.nan), "wedge_angle must be finite"),
+        (lambda: Placement(PAD, wedge_angle=0.5, roll_angle=-np.inf), "roll_angle must be"),
+        (lambda: Placement((7.9, 13.8, 11.8), wedge_angle=0.5), "must be an Ellipsoid, found tuple"),
+        (lambda: Tissue(0.0), "youngs_modulus must be positive and finite, found 0"),
+        (lambda: Tissue([1.0, np.nan]), "youngs_modulus must be .*, found nan at index 1"),
+        (lambda: Tissue(1.0, thickness=-2.0), "thickness must be positive, found -2"),
+        (lambda: Tissue(1.0, thickness=np.nan), "thickness must be positive, found nan"),
+        (lambda: Tissue(1.0, poisson_ratio=0.51), r"poisson_ratio must be within .*0.5\], found 0.51"),
+        (lambda: Tissue([1.0, 2.0], thickness=[1.0, 2.0, 3.0]), "shapes must broadcast"),
+        (lambda: fast_contact(AGAINST_A_BALL, SOFT, load=1.0), "flat plate"),
+        (lambda: youngs_modulus(PLACED, load=2.0), "exactly one"),
+        (lambda: youngs_modulus(PLACED, load=2.0, area=110.0, indentation=2.0), "exactly one"),
+        (lambda: youngs_modulus(PLACED, load=2, area=110, thickness=-8), "thickness must be .* found -8"),
         (lambda: PlaneEllipse(0, 0, -1, 2), "semi_x must be positive and finite, found -1"),
         (lambda: PlaneEllipse(0, np.nan, 1, 2), "y must be finite, found nan"),
         (lambda: ImageEllipse(**CENTRE, semi_axes=(9, 8), orientation=np.nan), "orientation must be finite"),
         (lambda: render_sequence([0.0, 0.1], ppi=-1), "ppi must be positive and finite, found -1"),
         (lambda: Paraboloid([12, -1], 14), "first_radius .*found -1 at index 1"),
-        (lambda: dataclasses.replace(PAD, distal=0), "distal"),
         (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numeric, found 'a'"),
         (lambda: Ellipse([[7], [7, 8]], 5), "semi_major must be numeric"),
         (lambda: Paraboloid([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
@@ -259,3 +288,60 @@ def test_photograph_coin_and_curve_by_path(tmp_path: Path) -> None:
     assert read_loading_curve(str(tmp_path / "curve.csv")).load.tolist() == [0, 1]
     with pytest.raises(FingerpadError, match="none.csv"):
         read_loading_curve(str(tmp_path / "none.csv"))
+
+
+# Arrays as they come in: masked entries are missing everywhere
+
+
+MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
+
+
+@pytest.mark.parametrize("kind", [int, np.uint8, np.float32, float, complex])
+def test_masked_entries_become_nan(kind) -> None:
+    values = np.ma.masked_array([1, 2, 3], mask=[False, True, False], dtype=kind)
+    found = as_float_array(values)
+    assert not isinstance(found, np.ma.MaskedArray)
+    assert found.dtype == (complex if kind is complex else float)
+    np.testing.assert_array_equal(found, [1, np.nan, 3])
+    np.testing.assert_array_equal(values, [1, 2, 3])  # the array given stays as it was
+    assert np.isnan(as_float_array(np.ma.masked))
+
+
+def test_kernels_with_masked_entries() -> None:
+    contact = hertz_contact(Paraboloid(10.0, 10.0), Tissue(0.1), load=MASKED)
+    assert np.isnan(contact.indentation).tolist() == [False, True, False]
+
+
+def test_masked_values_refused() -> None:
+    with pytest.raises(UncertaintyError, match="value to pool must be finite, found nan at index 1"):
+        pool(MASKED, [0.1, 0.1, 0.1])
+    with pytest.raises(UncertaintyError, match="standard uncertainty must be .*, found nan at index 1"):
+        pool_random_effects([10.0, 11.0, 12.0], MASKED)
+    with pytest.raises(GeometryError, match="found nan"):
+        Ellipsoid(MASKED, 12.0, 13.0)
+    with pytest.raises(GeometryError, match="found nan"):
+        Tissue(MASKED)
+    with pytest.raises(LoadingError, match="load is not finite in row 2"):
+        LoadingCurve(load=MASKED, indentation=np.arange(3.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "of"),
+    [
+        (lambda a: Paraboloid(a, 14.0), "first_radius"),
+        (lambda a: Paraboloid(a, 14.0).gap, "first_radius"),
+        (Tissue, "youngs_modulus"),
+        (lambda a: Ellipsoid(a, 13.8, 11.8), "palmar"),
+        (lambda a: Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=a / 100), "wedge_angle"),
+        (lambda a: LoadingCurve(load=a, indentation=a), "load"),
+        (lambda a: Inputs(names=("a", "b"), mean=a, covariance=np.eye(2), groups={}), "mean"),
+    ],
+)
+def test_frozen_objects_keep_their_own_values(make, of: str) -> None:
+    given = np.array([12.0, 13.0])
+    kept = make(given)
+    before = getattr(kept, of).copy()
+    given[:] = 1.0
+    np.testing.assert_array_equal(getattr(kept, of), before)
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(kept, of)[:] = 1.0

@@ -10,8 +10,7 @@ from numpy.testing import assert_allclose
 from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, youngs_modulus
 from fingerpad.contact.fast_laws import press
 from fingerpad.contact.law_factors import LayerFactors, PadFactors
-from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Counterface, Ellipsoid, Gap, Paraboloid, Placement
+from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.geometry.gap import gap_kernel
 from fingerpad.geometry.placement import platen_normal
 from fingerpad.uncertainty import Inputs, propagate
@@ -255,17 +254,7 @@ def test_impossible_draws_are_flagged(layer: dict[str, float], flag: str) -> Non
     assert press(TURNED.gap, area=50.0, reduced_modulus=0.1, **layer).flags == flag
 
 
-def test_refuses_curved_bodies() -> None:
-    ball = Placement(PAD, wedge_angle=0.5, counterface=Counterface.sphere(10.0))
-    with pytest.raises(GeometryError, match="flat plate"):
-        fast_contact(ball, Tissue(0.1), load=1.0)
-
-
-PLACEMENT = Placement(
-    Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8),
-    wedge_angle=np.radians(30.0),
-    roll_angle=np.radians(8.0),
-)
+PLACEMENT = Placement(PAD, wedge_angle=np.radians(30.0), roll_angle=np.radians(8.0))
 
 
 @pytest.mark.parametrize("thickness", [8.0, math.inf])
@@ -275,14 +264,6 @@ def test_inverts_the_fast_laws(thickness) -> None:
         given = {name: getattr(pressed, name)}
         found = youngs_modulus(PLACEMENT, load=[0.5, 1.5], thickness=thickness, poisson_ratio=0.48, **given)
         assert_allclose(found, 0.07, rtol=3e-5)
-
-
-def test_bone_lowers_the_modulus_and_raises_the_loading_radius() -> None:
-    thickness = np.array([4.0, 6, 8, 12, math.inf])
-    found = youngs_modulus(PLACEMENT, load=2.0, area=110.0, thickness=thickness)
-    assert (np.diff(found) > 0).all()
-    contact = fast_contact(PLACEMENT, Tissue(found, thickness=thickness), load=2.0)
-    assert (np.diff(contact.area_over_pi_indentation) < 0).all()
 
 
 @pytest.mark.parametrize(
@@ -302,11 +283,3 @@ def test_nan_where_the_laws_say_why(change, flag) -> None:
     assert math.isnan(youngs_modulus(PLACEMENT, load=2.0, **given)) == bool(flag)
     area = given.pop("area")
     assert fast_contact(PLACEMENT, Tissue(1.0, **given), area=area).flags == flag
-
-
-def test_impossible_arguments() -> None:
-    for given in ({}, {"area": 110.0, "indentation": 2.0}):
-        with pytest.raises(GeometryError, match="exactly one"):
-            youngs_modulus(PLACEMENT, thickness=8.0, load=2.0, **given)
-    with pytest.raises(GeometryError, match="thickness must be positive, found -8"):
-        youngs_modulus(PLACEMENT, thickness=-8.0, load=2.0, area=110.0)

@@ -85,15 +85,6 @@ def test_nan_above_surface() -> None:
     assert np.isfinite(field.tensor[1]).all()
 
 
-def test_uniaxial_strain_and_energy() -> None:
-    field = StressField(tensor=np.diag([2.0, 0.0, 0.0]))
-    assert_allclose(
-        field.strain(youngs_modulus=4.0, poisson_ratio=0.3), np.diag([0.5, -0.15, -0.15]), atol=1e-15
-    )
-    assert_allclose(field.strain_energy_density(youngs_modulus=4.0, poisson_ratio=0.3), 0.5)
-    assert_allclose(field.maximum_shear, 1)
-
-
 TURNED = HertzPressure(
     peak_pressure=2.0, semi_major=2.0, semi_minor=1.2, long_axis_angle=0.7, centre=np.array([0.3, -0.2])
 )

@@ -125,6 +125,8 @@ def test_fields_as_text_and_drawn(tmp_path: Path) -> None:
 
 
 PRINT = "measure print x.png"
+MODULUS = "modulus --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30 --load-n 2"
+SOLVE = "solve --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30 --youngs-modulus-kpa 102.375 --grid 64"
 
 
 @pytest.mark.parametrize(
@@ -147,6 +149,16 @@ PRINT = "measure print x.png"
         (f"{FIELDS} --load-n 90", "would flatten the pad to its silhouette"),
         (f"{FIELDS} --load-n 2 --thickness-mm 400", "leave it out"),
         (f"{FIELDS} --load-n 2 --thickness-mm 6 --depth-mm 2 7", "at most --thickness-mm 6, found 7"),
+        (MODULUS, "give exactly one of --area-mm2 and --indentation-mm"),
+        (f"{MODULUS} --area-mm2 9 --indentation-mm 1", "exactly one of --area-mm2 and --indentation-mm"),
+        (f"{MODULUS} --area-mm2 9 --thickness-mm 0", "--thickness-mm must be positive and finite, found 0"),
+        (f"{SOLVE} --load-n 200", "200: the load would flatten the pad to its silhouette.*: check load"),
+        (f"{SOLVE} --area-mm2 700", "700: the area would flatten the pad to its silhouette"),
+        (f"{SOLVE} --load-n 2 --thickness-mm 0.3 --poisson-ratio 0.3", "would press through the .* of 0.3"),
+        (f"{SOLVE} --load-n 2 --thickness-mm 0.1", "a tenth of the contact's mean radius 1.2.*, found 0.1"),
+        (f"{SOLVE} --load-n 2 --poisson-ratio 0.51", "--poisson-ratio.*less than or equal to 0.5"),
+        (f"{SOLVE} --load-n 2 --grid 63", "--grid.*greater than or equal to 64"),
+        (f"{SOLVE} --load-n 2 --area-mm2 20", "one of --load-n, --area-mm2 and --indentation-mm"),
         ("run nowhere.toml", "nowhere.toml: no such file; .fingerpad init DIR"),
         ("init --finger x other", "--finger"),
         ("init --scale 500_ppi other", "--scale"),
@@ -413,9 +425,6 @@ def test_sequences_refused(films: Path, given: tuple[object, ...], message: str)
 def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:
     records = run_json("reproduce")
     items = {record["item"]: record for record in records}
-    table2 = [record for record in records if record["item"].startswith("Table 2")]
-    assert len(table2) == 10
-    assert {record["verdict"] for record in table2} == {"reproduced", "reproduced with the known misprint"}
     at_30 = items["Table 2, ellipse, u = 30°"]
     assert (at_30["printed"], at_30["unit"]) == (25.3, "mm")
     assert at_30["computed"] == pytest.approx(17.11, abs=5e-3)
@@ -494,15 +503,6 @@ def test_run_reports_failures_and_continues(run_example: Path, tmp_path: Path) -
     assert "failed: contact_1N: contact_1N.png" in err
     assert "synthetic_pad, 30° (synthetic): modulus " in stdout
     assert "contact_1N" in (study / "results" / "report.html").read_text(encoding="utf-8")
-
-
-def test_invalid_manifest_stops_run(tmp_path: Path) -> None:
-    study = write_study(tmp_path, finger(), poisson=0.5)
-    code, _, err = run("run", study, "--out", tmp_path / "out")
-    assert code == 2
-    assert err.startswith("fingerpad: ")
-    assert "study.toml: poisson: unknown key; did you mean 'poisson_ratio'?" in err
-    assert not (tmp_path / "out").exists()
 
 
 def test_overlay_names_do_not_collide(tmp_path: Path) -> None:

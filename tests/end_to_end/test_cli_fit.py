@@ -179,9 +179,3 @@ def test_own_law(curve: Path) -> None:
     found = fitted(curve, *law)["law"]
     assert [each["name"] for each in found["parameters"]] == ["youngs_modulus", "stiffening"]
     assert set(found["aicc"]) == {"load_dependent", "hertz", "free_exponent", "stiffening"}
-
-
-def test_law_that_cannot_be_fitted(curve: Path) -> None:
-    code, out, _ = run(curve, "--law", "jkr")
-    assert code == 0
-    assert "JKR was not fitted: no pull-off in the record" in out

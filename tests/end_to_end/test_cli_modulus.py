@@ -51,20 +51,6 @@ def test_out_of_range_is_said() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ("", "give exactly one of --area-mm2 and --indentation-mm"),
-        ("--area-mm2 90 --indentation-mm 1", "give exactly one of --area-mm2 and --indentation-mm"),
-        ("--area-mm2 90 --thickness-mm 0", "--thickness-mm must be positive and finite, found 0"),
-    ],
-)
-def test_refusals(given: str, words: str) -> None:
-    code, _, err = run("modulus", *PAD, "--load-n", 2, *given.split())
-    assert code == 2
-    assert words in " ".join(err.replace("│", " ").split())
-
-
-@pytest.mark.parametrize(
     ("pad", "press", "words"),
     [
         (PAD, (2000, 90), "more than 100 N: is the load in millinewtons?"),

@@ -82,29 +82,6 @@ def test_people_see_a_column_for_each_answer() -> None:
     assert float(area[1]) < float(area[-1])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("--load-n 200", "--load-n 200: the load would flatten the pad to its silhouette.*: check load"),
-        ("--area-mm2 700", "--area-mm2 700: the area would flatten the pad to its silhouette"),
-        (
-            "--load-n 2 --thickness-mm 0.3 --poisson-ratio 0.3",
-            "--load-n 2: an indentation of 0.32.* would press through the layer's thickness of 0.3: check",
-        ),
-        ("--load-n 2 --thickness-mm 0.1", "at least a tenth of the contact's mean radius 1.2.*, found 0.1"),
-        ("--load-n 2 --poisson-ratio 0.51", "--poisson-ratio.*less than or equal to 0.5"),
-        ("--load-n 2 --grid 63", "--grid.*greater than or equal to 64"),
-        ("--load-n 2 --area-mm2 20", "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
-    ],
-)
-def test_refuses(arguments: str, message: str) -> None:
-    code, out, err = run(*PAD, "--grid", 64, *arguments.split())
-    assert (code, out) == (2, "")
-    words = " ".join(err.replace("│", " ").split())
-    assert re.search(message, words), words
-    assert "Traceback" not in err
-
-
 def test_what_does_not_converge_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingerpad.contact.pressure._STEPS", 2)
     code, _, err = run(*PAD, "--load-n", 2, "--grid", 64)

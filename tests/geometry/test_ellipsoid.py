@@ -6,8 +6,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipse, Ellipsoid
+from fingerpad.geometry import Counterface, Ellipsoid, Placement
 from fingerpad.geometry.curvature import principal_curvatures
 from fingerpad.geometry.placement import platen_normal
 
@@ -60,16 +59,6 @@ def test_radii_at_poles() -> None:
     assert_allclose(radii.second, [c**2 / a, c**2 / b, a**2 / c], rtol=1e-14)
 
 
-def test_radii_on_equator() -> None:
-    a, b, c = 7.9, 13.8, 11.8
-    u = np.radians([0, 30, 45, 60, 90])
-    S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
-    curvature = PAD.curvature(u, np.pi / 2)
-    assert_allclose(curvature.in_plane_radius, S**1.5 / (a * b), rtol=1e-14)
-    assert_allclose(curvature.transverse_radius, c**2 * np.sqrt(S) / (a * b), rtol=1e-14)
-    assert_allclose(curvature.principal_directions[:, 1], np.broadcast_to([0, 0, 1], (5, 3)), atol=1e-15)
-
-
 @given(axis, axis, axis, u_angle, v_angle)
 def test_contact_point_inverts_normal(a, b, c, u, v) -> None:
     pad = Ellipsoid(a, b, c)
@@ -83,36 +72,6 @@ def test_finger_axis_when_rolled_on_side() -> None:
     radii = PAD.curvature_at_normal(platen_normal(np.array([0.0, 1e-5, 1e-3]), np.pi / 2)).principal_radii
     assert_allclose(radii.first, 13.8**2 / 11.8, rtol=1e-4)
     assert_allclose(radii.second, 7.9**2 / 11.8, rtol=1e-4)
-
-
-@pytest.mark.parametrize("bad", [0, -1.0, np.nan, np.inf])
-@pytest.mark.parametrize("name", ["palmar", "distal", "radial_ulnar"])
-def test_invalid_axes(name: str, bad: float) -> None:
-    axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8} | {name: bad}
-    with pytest.raises(GeometryError, match=f"semi-axis {name} must be positive and finite, found"):
-        Ellipsoid(**axes)
-
-
-def test_published_ellipses() -> None:
-    ellipse = Ellipse([5.3, 7.4], [4.2, 5.0])
-    assert_allclose(ellipse.eccentricity, [0.6099332, 0.7371990], atol=6e-8)
-    assert_allclose(ellipse.area, [69.93, 116.24], atol=5e-3)
-
-
-@pytest.mark.parametrize(
-    ("axes", "message"),
-    [
-        ((4.0, 5.0), "semi_minor must be no longer than semi_major .*, found 5"),
-        ((0.0, 0.0), "semi_major must be positive and finite, found 0"),
-        ((5.0, -1.0), "semi_minor must be positive and finite, found -1"),
-        ((np.nan, 1.0), "semi_major must be positive and finite, found nan"),
-        ((np.inf, 1.0), "semi_major must be positive and finite, found inf"),
-        (([5.0, 5.0], [4.0, 6.0]), "found 6 at index 1"),
-    ],
-)
-def test_invalid_ellipses(axes, message: str) -> None:
-    with pytest.raises(GeometryError, match=message):
-        Ellipse(*axes)
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
@@ -133,3 +92,52 @@ def test_complex_step_keeps_order() -> None:
         up, down = (principal_curvatures(first + sign * step, first, 0.5)[0].real for sign in (1, -1))
         assert_allclose(up, [first + 0.5, first - 0.5], rtol=1e-15)
         assert_allclose(down, up, rtol=1e-15)
+
+
+# Placement on the wedge: printed reference numbers, limits, and symmetry under roll
+
+
+@pytest.mark.parametrize(
+    ("axes", "wedge", "u", "in_plane", "transverse", "mean", "geometric"),
+    [
+        ((7.9, 13.8, 11.8), 30, 45.243495, 12.955, 14.330, 13.607666, 13.625),
+        ((7.9, 13.8, 11.8), 45, 60.210426, 8.361, 12.384, 9.982357, 10.175),
+        ((7.5, 14.7, 11.8), 30, 48.532988, 12.880, 14.196, 13.506019, 13.522),
+        ((7.5, 14.7, 11.8), 45, 62.969140, 7.650, 11.932, 9.322567, 9.554),
+    ],
+)
+def test_reference_numbers(axes, wedge, u, in_plane, transverse, mean, geometric) -> None:
+    placement = Placement(Ellipsoid(*axes), wedge_angle=np.radians(wedge))
+    curvature = placement.curvature
+    assert_allclose(np.degrees(placement.u), u, atol=5e-7)
+    assert_allclose(np.degrees(placement.v), 90, rtol=1e-15)
+    assert_allclose(
+        [curvature.in_plane_radius, curvature.transverse_radius], [in_plane, transverse], atol=6e-4
+    )
+    assert_allclose(curvature.mean_curvature_radius, mean, atol=6e-7)
+    assert_allclose(curvature.geometric_mean_radius, geometric, atol=6e-4)
+
+
+def test_roll_by_right_angle() -> None:
+    placement = Placement(PAD, wedge_angle=0.0, roll_angle=np.pi / 2)
+    assert_allclose(placement.point, [0, 0, 11.8], atol=1e-14)
+    assert_allclose(placement.v, 0, atol=1e-15)
+
+
+@given(st.floats(0, np.pi / 2), st.floats(-1.5, 1.5))
+def test_roll_symmetry_and_tangency(wedge: float, roll: float) -> None:
+    left, right = (Placement(PAD, wedge_angle=wedge, roll_angle=side * roll) for side in (-1, 1))
+    assert_allclose(left.curvature.principal_radii, right.curvature.principal_radii, rtol=1e-12)
+    assert_allclose(left.point, right.point * [1, 1, -1], atol=1e-12)
+    assert_allclose(np.linalg.norm(right.normal), 1, rtol=1e-14)
+    assert_allclose(right.normal[1], np.sin(wedge), rtol=1e-14)  # rolling does not change the wedge's angle
+    # The platen touches at one point only: no other point of the pad lies further out.
+    u, v = np.meshgrid(np.linspace(-np.pi, np.pi, 40), np.linspace(0, np.pi, 20))
+    assert (PAD.point(u, v) @ right.normal).max() <= right.point @ right.normal + 1e-12
+
+
+def test_a_sphere_adds_its_curvature_in_each_direction() -> None:
+    flat = Placement(PAD, wedge_angle=0.5, roll_angle=0.3).gap
+    against = Placement(PAD, wedge_angle=0.5, roll_angle=0.3, counterface=Counterface.sphere(20.0)).gap
+    found = sorted([1 / against.first_radius, 1 / against.second_radius])
+    assert_allclose(found, sorted([1 / flat.first_radius + 1 / 20, 1 / flat.second_radius + 1 / 20]))

@@ -12,12 +12,9 @@ from tests.studies import write_curve
 
 import fingerpad as fp
 from fingerpad.exceptions import LoadingError
-from fingerpad.figures.show import draw
 from fingerpad.loading import ContactLaw, LoadingCurve, contact_law
 from fingerpad.loading.law_registry import LAWS, find_law
 from fingerpad.loading.laws import AppliedLaw, shape_factors
-from fingerpad.report.loading import loading_plots
-from fingerpad.report.plot import save_plots
 from fingerpad.simulate import simulate_loading_curve
 
 pytestmark = pytest.mark.usefixtures("own_laws")
@@ -181,22 +178,6 @@ def test_parameter_at_its_bound_is_no_result() -> None:
     assert fit is not None
     assert "lies at its bound 0" in fit.parameters["growth"].reason
     assert fit.flags == ("law_at_bound", "law_misfit")
-
-
-def test_drawn_and_reported(tmp_path) -> None:
-    law = stiffening()
-    curve = record(law, youngs_modulus=0.04, stiffening=2.0)
-    fit = fp.fit_loading_curve(curve, law=law)
-    assert draw(fit).png
-    save_plots(loading_plots("press", curve, fit), tmp_path)
-    assert "stiffening" in (tmp_path / "press_load_indentation.json").read_text()
-    found = fit.as_record()["law"]
-    assert [(each["name"], each["unit"]) for each in found["parameters"]] == [
-        ("youngs_modulus", "kPa"), ("stiffening", "1/mm")
-    ]  # fmt: skip
-    assert fit.law is not None
-    assert_allclose(found["parameters"][0]["value"], 1000 * fit.law.parameters["youngs_modulus"].value)
-    assert "stiffening" in fit.law.summary()
 
 
 def test_law_of_a_file(tmp_path) -> None:

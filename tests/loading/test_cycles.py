@@ -136,14 +136,6 @@ def test_a_rounded_force_is_right_within_its_uncertainty() -> None:
     assert "saturated_force" in fit_loading_curve(clipped).flags
 
 
-def test_no_baseline_is_flagged() -> None:
-    start = find_cycles(CURVE)[0].loading.start + 60
-    cut = LoadingCurve(
-        load=CURVE.load[start:], indentation=CURVE.indentation[start:], area=CURVE.area[start:]
-    )
-    assert "no_baseline" in fit_loading_curve(cut).flags
-
-
 def test_the_loop_covers_the_ground_of_the_way_in_and_counts_from_the_baseline() -> None:
     """A press from 2 to 3 mm with W = x above a baseline of 0.2 N, and W = x/2 on the way out, to 1 mm."""
     way_in, way_out = np.linspace(2, 3, 11), np.linspace(3, 1, 21)

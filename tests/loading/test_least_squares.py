@@ -27,18 +27,6 @@ def fitted(y):
     return fit_least_squares(lambda p: decay(p, X) - y, [1, 1, 0], ["size", "rate", "level"])
 
 
-def test_agrees_with_statsmodels_on_a_line() -> None:
-    api = pytest.importorskip("statsmodels.api")
-    rng = np.random.default_rng(1)
-    y = 3 - 2 * X + rng.normal(0, 0.3, X.size)
-    fit = fit_least_squares(lambda p: y - p[0] - p[1] * X, [0, 0], ["level", "slope"])
-    other = api.OLS(y, api.add_constant(X)).fit()
-    assert_allclose(fit.values, other.params, rtol=1e-6)
-    assert_allclose(np.sqrt(np.diag(fit.covariance)), other.bse, rtol=1e-6)
-    ends = np.array([[e.lower, e.upper] for e in (fit.estimate("level"), fit.estimate("slope"))])
-    assert_allclose(ends, other.conf_int(), rtol=2e-3)  # a line's profile is its t interval
-
-
 def test_profile_agrees_with_lmfit() -> None:
     lmfit = pytest.importorskip("lmfit")
     y = data(2)

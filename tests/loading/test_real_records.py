@@ -1,6 +1,7 @@
 """Real records of soft matter pressed by a sphere, and what others find in them (data/README.md)."""
 
 import math
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,10 +19,11 @@ def record(name: str, every: int = 1) -> LoadingCurve:
     return LoadingCurve(load=whole.load[rows], indentation=whole.indentation[rows], time=whole.time[rows])
 
 
-def fitted(name: str, every: int = 1) -> LoadingFit:
+@cache
+def fitted(name: str) -> LoadingFit:
     """Return a fit that knows what was pressed and by what."""
     return fit_loading_curve(
-        record(name, every), loading_radius=RECORDS[name][0], thickness=math.inf, stage_compliance=0.0
+        record(name), loading_radius=RECORDS[name][0], thickness=math.inf, stage_compliance=0.0
     )
 
 
@@ -33,6 +35,12 @@ def test_the_press_is_found_after_a_long_approach_and_before_a_fast_retreat(name
     assert curve.indentation[cycle.loading.stop - 1] == pytest.approx(RECORDS[name][2], rel=0.02)
     assert len(cycle.baseline) > 2 * len(cycle.loading)
     assert len(cycle.unloading) > 10
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_moduli_are_those_that_others_find(name: str) -> None:
+    found, known = fitted(name).reduced_modulus.times(1000), RECORDS[name][1]
+    assert found.lower < known < found.upper or found.value == pytest.approx(known, rel=0.03)
 
 
 def test_a_slip_does_not_end_the_range_in_which_the_modulus_grows() -> None:

@@ -9,14 +9,11 @@ from hypothesis import strategies as st
 from tests.studies import contact, finger, picture, sequence, study_of
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
-from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     CorrectionLog,
     frames_of,
     kind_of,
-    similar_images,
-    with_settings_of,
 )
 
 PPI_500 = {"scale": {"ppi": 500}}
@@ -266,16 +263,3 @@ def test_what_is_written_by_hand_has_no_checksum_and_counts(tmp_path, log):
     del content["checksum"]
     path.write_text(json.dumps(content) + "\n")
     assert log.active_correction("print_1").change.threshold == 11
-
-
-def test_images_of_one_device_are_similar_and_take_its_settings():
-    other_scale = STUDY.observations[1].model_copy(update={"scale": "reader"})
-    assert similar_images("print_1", STUDY) == ["print_2"]
-    assert similar_images("given", STUDY) == []
-    changed = STUDY.model_copy(update={"observations": [STUDY.observations[0], other_scale]})
-    assert similar_images("print_1", changed) == []
-    source = ContactCorrection(threshold=60.0, seed_px=[5.0, 5.0], accepted=True)
-    taken = with_settings_of(source, ContactCorrection(dark_on_light=True, rejected="smeared"))
-    assert taken.as_json() == {"dark_on_light": True, "threshold": 60.0}
-    assert source.as_json() == {"threshold": 60.0, "seed_px": [5.0, 5.0], "accepted": True}
-    assert ContactCorrection(accepted=True).edits == {}

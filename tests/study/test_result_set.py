@@ -161,6 +161,7 @@ def test_files_that_the_new_results_lack_are_removed_and_others_are_not(study):
     (out / "notes.txt").write_text("mine")
     run_study(study / "study.toml", out)
     assert not (out / "report.html").exists()
+    assert not (out / "overlays" / "o1.png").exists()
     assert [path.name for path in (out / "figures").iterdir()] == ["mine.svg"]
     assert (out / "notes.txt").read_text() == "mine"
 

@@ -73,12 +73,6 @@ def write(folder: Path, more: dict[int, dict[str, object]] | None = None, load: 
     write_study(folder, finger(), *tables, uncertainty={"wedge_angle_deg_std": 0.3})
 
 
-def without_last(folder: Path) -> None:
-    """Take the last observation out of the study."""
-    text = (folder / "study.toml").read_text()
-    (folder / "study.toml").write_text(text[: text.rindex("[[observations]]")])
-
-
 def run(folder: Path, **options: object) -> tuple[list[str], dict[str, Row]]:
     """Run the study, and return what was measured and the rows."""
     result, measured = run_watched(folder / "study.toml", **options)
@@ -138,12 +132,6 @@ def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder):
     measured, rows = run(folder)
     assert measured == ["o1"]
     assert {row["status"] for row in rows.values()} == {"measured"}
-
-
-def test_pictures_of_removed_observations_do_not_stay(folder):
-    without_last(folder)
-    run(folder)
-    assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
 
 
 def test_a_killed_run_loses_no_row_and_doubles_none(fresh, rows):

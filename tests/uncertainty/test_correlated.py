@@ -29,9 +29,3 @@ def test_round_trip() -> None:
     assert again.names == ("radius", "depth")
     assert_allclose(again.mean, [13.8, 2.1])
     assert_allclose(again.covariance, [[0.04, 0.014], [0.014, 0.01]])
-
-
-def test_plain_numbers_are_exact() -> None:
-    inputs = inputs_from_ufloats(a=1, b=2.5)
-    assert_allclose(inputs.mean, [1, 2.5])
-    assert not inputs.covariance.any()

@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from tests.uncertainty.pads import EXACT, PAD
 
-from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, propagate
-from fingerpad.uncertainty.models import pad_inputs
 
 CIRCLE = {**EXACT, "semi_major": 5.0}
 
@@ -121,19 +119,3 @@ def test_a_pad_whose_radii_deviate_from_the_ellipsoids() -> None:
     both = pad_uncertainty(**ball, in_plane_deviation=np.log(1.2), transverse_deviation=np.log(1.2))
     larger = pad_uncertainty(**{**ball, "palmar": 12.0, "distal": 12.0, "radial_ulnar": 12.0})
     assert_allclose(both.value, larger.value, rtol=1e-12, atol=1e-15)
-
-
-def test_invalid_pad_inputs() -> None:
-    with pytest.raises(UncertaintyError, match="no input 'distal'; there are palmar"):
-        pad_inputs(Inputs.of(palmar=7.9))
-    exact = {"in_plane_deviation": 0.0, "transverse_deviation": 0.0}
-    measured = Inputs.of(**PAD, **exact).with_covariance(
-        ["semi_major", "semi_minor"], [[1.0, 2.0], [2.0, 1.0]]
-    )
-    with pytest.raises(UncertaintyError, match="covariance of semi_major and semi_minor .* found 2"):
-        pad_inputs(measured)
-
-
-def test_model_without_complex_step_refused() -> None:
-    with pytest.raises(UncertaintyError, match="real numbers for complex steps in size: leave out abs"):
-        propagate(lambda x: {"square": x**2, "size": np.abs(x)}, Inputs.of(x=(1.0, 1.0)))
