@@ -6,7 +6,6 @@ import pytest
 from PIL import Image
 
 import fingerpad as fp
-from fingerpad.exceptions import ManifestError
 from fingerpad.testing import write_contact_image, write_loading_curve, write_study
 
 
@@ -32,9 +31,3 @@ def test_an_image_says_that_it_is_synthetic(tmp_path: Path) -> None:
     image = write_contact_image(tmp_path / "contact.png", semi_major=4.0, semi_minor=3.5)
     assert "synthetic" in Image.open(image.path).text["Description"]
     assert image.truth["gross_area_mm2"] == pytest.approx(43.98, abs=0.01)
-
-
-def test_a_folder_that_holds_something_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "mine.txt").write_text("kept")
-    with pytest.raises(ManifestError, match="not empty"):
-        write_study(tmp_path)

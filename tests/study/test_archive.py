@@ -212,14 +212,3 @@ def test_a_store_in_use_travels_whole_and_so_does_a_file_in_its_place(tmp_path):
     with closing(sqlite3.connect(other / "results" / STORE_NAME)) as copy:
         assert copy.execute("SELECT path FROM input").fetchall() == [("a.png",)]
     assert not (other / "results" / f"{STORE_NAME}-wal").exists()
-
-
-def test_a_zip_that_was_packed_again_by_hand_comes_back(tmp_path):
-    folder = tmp_path / "study"
-    write(folder, {"a b.png": (b"ab", 0.0)}, {"empty"}, {"a b.png": "used"})
-    pack(folder, bundle_of(folder), tmp_path / "study.zip")
-    with zipfile.ZipFile(tmp_path / "study.zip") as old, zipfile.ZipFile(tmp_path / "new.zip", "w") as new:
-        for entry in old.infolist():
-            new.writestr(f"top/{entry.filename}", old.read(entry))
-    unpack(tmp_path / "new.zip", tmp_path / "other", ROOM)
-    assert contents(tmp_path / "other") == contents(folder)

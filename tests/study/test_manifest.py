@@ -5,7 +5,6 @@ import re
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 from tests.studies import Table, curve, finger, picture, sequence, study_of, write_study
 from tests.workbooks import sheet_xml, workbook
@@ -15,8 +14,6 @@ from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write
 from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.manifest.models import ResolutionScale, Study
 from fingerpad.study.manifest.sheet import Sheet
-from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.table import records
 
 FINGER = """
 [[fingers]]
@@ -344,16 +341,6 @@ def test_a_file_behind_a_linked_folder_is_refused_by_name(study, name):
 
 
 # What `fingerpad init` writes: a manifest with its schema, and an example that runs
-
-
-def test_the_example_runs_and_its_truth_is_covered(run_example, tmp_path):
-    folder = Path(shutil.copytree(run_example, tmp_path / "example"))
-    result = run_study(folder / "study.toml", folder / "results")
-    assert result.failures == []
-    assert all(row["synthetic"] for row in records(result.rows))
-    (finger,) = result.fingers.values()
-    stds = np.sqrt(np.diag(finger.covariance))
-    assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
 
 
 def test_the_template_overwrites_nothing(tmp_path):
