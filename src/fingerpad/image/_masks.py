@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, real_array
+from fingerpad.exceptions import ImageError
 
 UInt8: TypeAlias = npt.NDArray[np.uint8]
 
@@ -82,6 +83,20 @@ def distance_to(mask: BoolArray) -> Float32Array:
         return np.full(mask.shape, np.inf, dtype=np.float32)
     distance = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     return np.asarray(distance, dtype=np.float32)
+
+
+def region_window(region: Sequence[float], shape: tuple[int, int], least: int = 1) -> tuple[slice, slice]:
+    """Return a region of interest, first row and column, last ones (excluded), as slices of a picture."""
+    edges = real_array(region, "region_of_interest", ImageError)
+    if edges.shape != (4,) or not np.isfinite(edges).all():
+        raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
+    start, stop = (each.clip(0, shape).astype(int) for each in (np.floor(edges[:2]), np.ceil(edges[2:])))
+    if (stop - start).min() < least:
+        raise ImageError(
+            f"region_of_interest {region} is empty or outside the picture of {shape[0]} rows and {shape[1]} "
+            f"columns: give first row, first column, last row, last column, {least} px or more each way"
+        )
+    return slice(int(start[0]), int(stop[0])), slice(int(start[1]), int(stop[1]))
 
 
 def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:

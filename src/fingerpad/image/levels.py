@@ -65,7 +65,7 @@ def checked_picture(
     """Return a grey picture, or with `colour` either kind, as an array of any real type."""
     array = picture_array(value, name, error)
     if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] in {3, 4})):
-        raise error(wrong_shape(array, name, colour=colour))
+        raise error(_wrong_shape(array, name, colour=colour))
     if array.dtype.kind not in "buif":
         raise error(f"{name} must hold grey levels or colours, found {array.dtype}: read it as either")
     return array
@@ -77,12 +77,18 @@ def picture_levels(
     """Return a grey picture's levels, or with `colour` either kind's, as uint8, uint16 or float32."""
     array = checked_picture(value, name, error, colour=colour)
     levels = storable(array.view(np.uint8) if array.dtype == bool else array)
-    if not np.isfinite(levels).all():
-        raise error(f"{name} holds NaN or infinite values: fill them first")
+    check_finite(levels, name, error)
     return levels
 
 
-def wrong_shape(array: npt.NDArray[Any], name: str, *, colour: bool = False) -> str:
+def check_finite(levels: npt.NDArray[Any], name: object, error: type[FingerpadError] = ImageError) -> None:
+    """Refuse levels that are NaN or infinite."""
+    if levels.dtype.kind == "f" and not np.isfinite(levels).all():
+        bad = np.count_nonzero(~np.isfinite(levels))
+        raise error(f"{name}: {bad} levels are NaN or infinite: fill them before measuring")
+
+
+def _wrong_shape(array: npt.NDArray[Any], name: str, *, colour: bool = False) -> str:
     """Say that an array is no grey picture, or with `colour` no picture, and what to give in its place."""
     wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
     way_out = ""

@@ -24,6 +24,7 @@ from fingerpad.image.levels import (
     MEMORY_LIMIT,
     Pixels,
     apply_orientation,
+    check_finite,
     check_memory,
     checked_picture,
     eight_bit,
@@ -194,15 +195,6 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
             ) from error
     check_finite(levels, path)
     return levels, resolution
-
-
-def check_finite(levels: Pixels, name: object) -> None:
-    """Refuse levels that are NaN or infinite."""
-    if levels.dtype.kind != "f":
-        return
-    bad = levels.size - int(np.count_nonzero(np.isfinite(levels)))
-    if bad:
-        raise ImageError(f"{name}: {bad} levels are NaN or infinite: fill them before measuring")
 
 
 def check_regular(path: Path) -> None:

@@ -166,9 +166,6 @@ class Scale(Displayed):
         CalibrationError
             If the length is not positive and finite, or the line has none in the picture.
         """
-        positive_number(length_mm, "length_mm", CalibrationError)
-        non_negative_number(length_mm_std, "length_mm_std", CalibrationError)
-        non_negative_number(point_px_std, "point_px_std", CalibrationError)
         for name, point in (("start", start), ("end", end)):
             check_all(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
         length_px = math.dist(start, end)
@@ -177,9 +174,7 @@ class Scale(Displayed):
                 f"the scale line must have two different ends, found {start} twice: "
                 "draw it along a known length"
             )
-        relative = math.hypot(length_mm_std / length_mm, math.sqrt(2) * point_px_std / length_px)
-        mm_per_px = length_mm / length_px
-        return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * relative)
+        return cls._of_length("length_mm", length_mm, length_mm_std, length_px, math.sqrt(2) * point_px_std)
 
     @classmethod
     def of_circle(
@@ -216,15 +211,18 @@ class Scale(Displayed):
         >>> Scale.of_circle(20.0, [(0, 100), (100, 0), (200, 100)]).mm_per_px
         0.1
         """
-        positive_number(diameter_mm, "diameter_mm", CalibrationError)
-        non_negative_number(diameter_mm_std, "diameter_mm_std", CalibrationError)
-        non_negative_number(point_px_std, "point_px_std", CalibrationError)
         _, radius, weights = circle_through(points)
-        relative = math.hypot(
-            diameter_mm_std / diameter_mm, point_px_std * float(np.linalg.norm(weights)) / radius
-        )
-        mm_per_px = diameter_mm / (2 * radius)
-        return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * relative)
+        own_std = 2 * point_px_std * float(np.linalg.norm(weights))
+        return cls._of_length("diameter_mm", diameter_mm, diameter_mm_std, 2 * radius, own_std)
+
+    @classmethod
+    def _of_length(cls, name: str, length: float, std: float, length_px: float, length_px_std: float) -> Self:
+        """Return a scale from a known length, mm, that has the name of an argument, and its length in px."""
+        positive_number(length, name, CalibrationError)
+        non_negative_number(std, f"{name}_std", CalibrationError)
+        non_negative_number(length_px_std, "point_px_std", CalibrationError)
+        mm_per_px = length / length_px
+        return cls(mm_per_px, mm_per_px * math.hypot(std / length, length_px_std / length_px))
 
     @property
     def relative_std(self) -> float:

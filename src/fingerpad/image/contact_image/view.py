@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import bounding_box, disk, filled_polygon
+from fingerpad.image._masks import bounding_box, disk, filled_polygon, region_window
 from fingerpad.image.contact_image.background import flattened, without_added_border
 from fingerpad.image.contact_image.spectra import ridge_period_px
-from fingerpad.image.levels import picture_array, wrong_shape
+from fingerpad.image.levels import check_finite, checked_picture, picture_array
 from fingerpad.image.scale import Scale
 
 Surface: TypeAlias = Literal["ridged", "smooth"]
@@ -246,7 +246,8 @@ def crop(
     shape = (values.shape[0], values.shape[1])
     mask, background = options.get("mask"), options.get("background")
     inside = None if mask is None else _inside(mask, shape)
-    box = _box(options.get("region_of_interest"), shape)
+    region = options.get("region_of_interest")
+    box = region_window((0, 0, *shape) if region is None else region, shape, _MIN_SIDE_PX)
     if inside is not None:
         box = _crop_to_mask(box, inside)
         inside = inside[box]
@@ -267,11 +268,8 @@ def crop(
 
 
 def _levels(pixels: npt.ArrayLike, name: str, *, may_have_colours: bool = False) -> npt.NDArray[np.number]:
-    array = picture_array(pixels, name)
-    if array.ndim != 2 and not (may_have_colours and array.ndim == 3 and array.shape[2] == 3):
-        raise ImageError(wrong_shape(array, name))
-    if array.dtype.kind not in "buif":
-        raise ImageError(f"{name} must hold grey levels, found {array.dtype}")
+    array = checked_picture(pixels, name, colour=may_have_colours)
+    array = array[..., :3] if array.ndim == 3 else array
     if min(array.shape[:2]) < _MIN_SIDE_PX:
         raise ImageError(
             f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
@@ -285,8 +283,7 @@ def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
         return np.ascontiguousarray(values)
     with np.errstate(over="ignore"):
         single = np.ascontiguousarray(values, dtype=np.float32)
-    if not np.isfinite(values).all():
-        raise ImageError(f"{name} holds NaN or infinite values: fill them before measuring")
+    check_finite(values, name)
     if max(abs(float(single.min())), abs(float(single.max()))) > _MAX_LEVEL:
         raise ImageError(f"{name} holds levels beyond ±{_MAX_LEVEL:g}: divide them by a constant")
     return single
@@ -311,21 +308,6 @@ def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
     if not inside.any():
         raise ImageError("mask leaves nothing of the picture")
     return np.asarray(inside)
-
-
-def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tuple[slice, slice]:
-    if region is None:
-        return slice(0, shape[0]), slice(0, shape[1])
-    edges = real_array(region, "region_of_interest", ImageError)
-    if edges.shape != (4,) or not np.isfinite(edges).all():
-        raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
-    row0, column0 = (max(0, int(edge)) for edge in edges[:2])
-    row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, edges[2:], strict=True))
-    if min(row1 - row0, column1 - column0) < _MIN_SIDE_PX:
-        raise ImageError(
-            f"region_of_interest {region} leaves less than {_MIN_SIDE_PX} px of the picture of {shape}"
-        )
-    return slice(row0, row1), slice(column0, column1)
 
 
 def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:

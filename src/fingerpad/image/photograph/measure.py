@@ -6,7 +6,6 @@ the pad selected, and an ellipse along the finger's axis fitted to it by least o
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, IndexArray, as_float_array, real_array
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.levels import checked_picture
+from fingerpad.image._masks import region_window
+from fingerpad.image.levels import check_finite, checked_picture
 from fingerpad.image.photograph.arc import (
     PAD_MIDDLE,
     candidate_points,
@@ -30,7 +30,6 @@ from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.photograph.silhouette import (
     Silhouette,
     SubpixelOutline,
-    Window,
     find_silhouette,
     locate_edges,
     opponent_light,
@@ -107,11 +106,10 @@ def measure_photograph(
     pixels, scale = checked_picture(colour_levels(image), "pixels", colour=True), as_scale(scale)
     if pixels.dtype == bool:
         raise ImageError("pixels must hold grey levels or colours, found bool: a mask is no photograph")
-    if not np.isfinite(pixels).all():
-        raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
+    check_finite(pixels, "pixels")
     light = opponent_light(pixels)
     size = (light.shape[0], light.shape[1])
-    window = None if region_of_interest is None else _check_window(region_of_interest, size)
+    window = None if region_of_interest is None else region_window(region_of_interest, size)
     marks = None if points is None else _check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
@@ -196,22 +194,6 @@ def _pad_arc(
         ends_known=marked is not None,
         blur=edges.blur,
     )
-
-
-def _check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
-    """Return the region of interest as slices."""
-    edges = real_array(region, "region_of_interest", ImageError)
-    if edges.shape != (4,) or not np.isfinite(edges).all():
-        raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
-    first_row, first_column, last_row, last_column = edges.tolist()
-    rows = slice(max(0, math.floor(first_row)), min(size[0], math.ceil(last_row)))
-    columns = slice(max(0, math.floor(first_column)), min(size[1], math.ceil(last_column)))
-    if rows.stop <= rows.start or columns.stop <= columns.start:
-        raise ImageError(
-            f"region_of_interest {region} is empty or outside the picture of {size[0]} rows and {size[1]} "
-            "columns: give first row, first column, last row, last column"
-        )
-    return rows, columns
 
 
 def _check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:

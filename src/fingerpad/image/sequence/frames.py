@@ -21,10 +21,9 @@ import tifffile
 from fingerpad._display import Displayed
 from fingerpad._words import counted
 from fingerpad.exceptions import ImageError
-from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
+from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_memory, luma
 from fingerpad.image.read import (
     SQUARE,
-    check_finite,
     check_regular,
     read_image,
     read_start,
