@@ -9,7 +9,7 @@ from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse_fit import distances
-from fingerpad.image.photograph.arc import bend_covariance, fit_arc_ellipse
+from fingerpad.image.photograph.arc import bend_covariance, fit_arc_ellipse, initial_ellipse
 from fingerpad.simulate import outline_points
 
 
@@ -100,3 +100,9 @@ def test_bend_covariance():
     bend = rng.normal(0, 1, (20000, 1)) + walk
     drawn = 4.0 * np.cumsum(np.cumsum(bend, axis=1), axis=1)[:, [49, 99]] * step**2
     np.testing.assert_allclose(np.cov(drawn.T), spread[3:, 3:], rtol=0.1)
+
+
+def test_one_point_far_beyond_the_tip():
+    points = np.concatenate([noisy(0), [(0.0, 900.0)]])
+    with pytest.raises(FitError, match="far beyond the tip"):
+        initial_ellipse(points, "palmar")

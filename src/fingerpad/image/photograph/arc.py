@@ -255,6 +255,8 @@ def initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
     for _ in range(4):
         near = points[points[:, 1] > end - height]
         width = np.ptp(near[:, 0])
+        if not width > 0:
+            raise FitError("one point lies far beyond the tip of the outline: erase it, or mark more there")
         height = 0.6 * np.ptp(points[:, 1]) if face == "distal" else 1.1 * width
     if face in ("palmar", "distal"):
         along = 0.58 * width if face == "palmar" else height
