@@ -151,9 +151,7 @@ class PlaneEllipse:
 
     def offsets(self, points: FloatArray) -> FloatArray:
         """Return the signed distances of points (x, y) from the ellipse, to first order, positive outside."""
-        cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        right, down = points[:, 0] - self.x, points[:, 1] - self.y
-        u, v = (right * cosine + down * sine) / self.semi_x, (down * cosine - right * sine) / self.semi_y
+        u, v = ((points - (self.x, self.y)) @ rotation(self.angle) / self.semi_axes).T
         radius = np.hypot(u, v) + 1e-12
         return as_float_array((radius - 1) * radius / (np.hypot(u / self.semi_x, v / self.semi_y) + 1e-12))
 
@@ -259,6 +257,13 @@ def flattest(points: FloatArray, share: float) -> float:
     xx, yy, xy = means(x * x) - mean_x**2, means(y * y) - mean_y**2, means(x * y) - mean_x * mean_y
     across = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)  # the smaller principal variance
     return math.sqrt(max(float(across.min()), 0.0)) / size
+
+
+def nearest_on_sides(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
+    """Return the place nearest to each point on its side from a start to an end; shapes broadcast."""
+    along = ends - starts
+    share = ((points - starts) * along).sum(axis=-1) / np.maximum((along**2).sum(axis=-1), 1e-12)
+    return np.asarray(starts + share.clip(0, 1)[..., None] * along)
 
 
 def signed_area(points: FloatArray) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import FloatArray, check_radians
+from fingerpad.image.ellipse import outward_normals, rotation
 from fingerpad.image.photograph.faces import Face
 
 _STEP_MM = 0.02
@@ -74,7 +75,7 @@ def _open(
     left = _walk(semi_axes, math.pi - last, other, rng)
     left[:, 0] *= -1
     points = np.concatenate([right[::-1], ellipse[1:-1], left])
-    normals = _normals(points, closed=False)
+    normals = outward_normals(points, closed=False)
     nail = np.zeros(len(points))
     if face != "palmar":
         along = np.arange(len(left), dtype=np.float64) * _STEP_MM
@@ -126,7 +127,7 @@ def _closed(
     points = _evenly((1 - share)[:, None] * ellipse + share[:, None] * other)
     angle = np.arctan2(points[:, 1] / b, points[:, 0] / a)
     nail = _plateau(angle, -math.pi / 2 - 1.0, -math.pi / 2 + 1.0, 0.15)
-    return points, _normals(points, closed=True), nail
+    return points, outward_normals(points), nail
 
 
 def _evenly(points: FloatArray) -> FloatArray:
@@ -135,14 +136,6 @@ def _evenly(points: FloatArray) -> FloatArray:
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
     places = np.arange(0, along[-1], _STEP_MM)
     return np.stack([np.interp(places, along, loop[:, k]) for k in (0, 1)], axis=-1)
-
-
-def _normals(points: FloatArray, *, closed: bool) -> FloatArray:
-    """Return the outward unit normals of a curve that runs against the clock."""
-    across = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    tangent = across if closed else np.gradient(points, axis=0)
-    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True), dtype=np.float64)
 
 
 def _plateau(values: FloatArray, start: float, end: float, ramp: float) -> FloatArray:
@@ -179,7 +172,5 @@ def outline_points(
     check_radians("angle", angle)
     check_radians("arc", arc)
     t = np.linspace(*arc, count, endpoint=False)
-    x, y = semi_x * np.cos(t), semi_y * np.sin(t)
-    cosine, sine = math.cos(angle), math.sin(angle)
-    turned = np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=-1)
+    turned = np.stack([semi_x * np.cos(t), semi_y * np.sin(t)], axis=-1) @ rotation(angle).T
     return turned + centre + np.random.default_rng(seed).normal(0, noise_std, turned.shape)

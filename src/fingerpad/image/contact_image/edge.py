@@ -8,6 +8,7 @@ from typing import Any, Final, NamedTuple
 import cv2
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.exceptions import ImageError
@@ -42,9 +43,7 @@ class StepErrors(NamedTuple):
     own: float = 0.0  # standard deviation of the edge's place in one profile
     stretch: float = 0.0  # length of outline along which neighbouring profiles share that error
     hidden: float = 0.0  # standard uncertainty of the mean place by what of the outline is not seen
-    shared: float = (
-        0.0  # standard uncertainty of the edge's place all round, which images of one device share
-    )
+    shared: float = 0.0  # standard uncertainty of its place all round, which images of one device share
     doubts: frozenset[str] = frozenset()  # flags of this edge
 
 
@@ -240,10 +239,8 @@ def _variations(bands: list[FloatArray], period: float) -> list[float]:
 
 def _sector_means(values: FloatArray) -> FloatArray:
     """Return means over equal parts of an outline."""
-    count = min(EDGE.sectors, len(values))
-    lengths = len(values) // count + (np.arange(count) < len(values) % count)
-    sums = np.add.reduceat(values, np.cumsum(lengths) - lengths)
-    return np.asarray(sums / lengths.reshape((-1,) + (1,) * (values.ndim - 1)))
+    sectors = np.array_split(values, min(EDGE.sectors, len(values)))
+    return np.array([sector.mean(axis=0) for sector in sectors])
 
 
 def point_spacings(points: FloatArray) -> FloatArray:
@@ -255,8 +252,7 @@ def point_spacings(points: FloatArray) -> FloatArray:
 def running_mean(values: FloatArray, width: int) -> FloatArray:
     """Return running means along a closed sequence."""
     width = min(max(1, width) | 1, len(values) | 1)
-    total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
-    return np.asarray((total[width:] - total[:-width]) / width)
+    return np.asarray(uniform_filter1d(values, width, axis=0, mode="wrap"))
 
 
 def smooth_normals(points: FloatArray, period: float) -> FloatArray:

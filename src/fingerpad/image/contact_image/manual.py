@@ -16,7 +16,7 @@ from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, oute
 from fingerpad.image.contact_image.edge import Edge, even_edge, point_spacings, running_mean, smooth_normals
 from fingerpad.image.contact_image.region import OTHER_REGION, Region
 from fingerpad.image.contact_image.view import View
-from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
+from fingerpad.image.ellipse import ImageEllipse, evenly_spaced, nearest_on_sides
 
 _FINE: Final = 4  # strokes are drawn on a canvas so many times finer than the working copy
 # Nearer than this, px of the copy, a point of the edited outline is one of the automatic outline.
@@ -54,9 +54,8 @@ RegionEdit: TypeAlias = BrushStroke | RegionPolygon
 
 def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
     """Return the region and the edge of an ellipse placed manually."""
-    major = ellipse.semi_axes[0]
-    _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.part.shape)
-    _require_near("ellipse: its semi-axes", major, view.part.shape)
+    major, shape = ellipse.semi_axes[0], view.part.shape
+    _require_near("ellipse", as_float_array([ellipse.centre]), 0.0, major, shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
     patch = _filled(points, view.contact.shape) > 0
@@ -103,17 +102,12 @@ def region_after_strokes(
 def _restored_edge(outline: FloatArray, edge: Edge) -> Edge:
     """Return an edited outline, on the automatic edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
-    points, off = edge.points[nearest], np.full(len(outline), np.inf)
-    for step in (-1, 1):
-        start, end = edge.points[nearest], edge.points[(nearest + step) % len(edge.points)]
-        along = end - start
-        share = ((outline - start) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
-        foot = start + share.clip(0, 1)[:, None] * along
-        distance = np.linalg.norm(outline - foot, axis=1)
-        closer = distance < off
-        points, off = np.where(closer[:, None], foot, points), np.where(closer, distance, off)
-    same = off < _SAME
-    points = np.where(same[:, None], points, outline)
+    beside = edge.points[(nearest + np.array([[-1], [1]])) % len(edge.points)]
+    on_sides = nearest_on_sides(outline, edge.points[nearest], beside)
+    before, after = np.linalg.norm(outline - on_sides, axis=2)
+    same = np.minimum(before, after) < _SAME
+    on_edge = np.where((after < before)[:, None], on_sides[1], on_sides[0])
+    points = np.where(same[:, None], on_edge, outline)
     return replace(
         edge,
         points=points,
@@ -148,28 +142,19 @@ def _check_edit(edit: RegionEdit, view: View) -> tuple[FloatArray, float | None]
         )
     # A polygon may lie around the whole picture.
     around = 0.0 if radius is not None else float(np.ptp(points, axis=0).max())
-    _require_inside(what, points, around + (radius or 0.0), view.part.shape)
-    _require_near(what, float(np.abs(points).max()), view.part.shape)
+    _require_near(what, points, around + (radius or 0.0), float(np.abs(points).max()), view.part.shape)
     return view.to_copy(points[:, ::-1]), radius and radius / view.step
 
 
-def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
-    """Refuse what reaches too far beyond the picture."""
-    if reach > _MAX_REACH * max(shape):
-        raise ImageError(
-            f"{what} must not reach {reach:g} px: the picture has {shape[0]} rows, {shape[1]} columns"
-        )
-
-
-def _require_inside(what: str, points: FloatArray, reach: float, shape: tuple[int, int]) -> None:
-    """Refuse places of which none comes within reach of the picture."""
-    inside = ((points > -0.5 - reach) & (points < np.array(shape) - 0.5 + reach)).all(axis=1)
+def _require_near(what: str, points: FloatArray, margin: float, reach: float, shape: tuple[int, int]) -> None:
+    """Refuse places of which none is within a margin of the picture, and what reaches far beyond it."""
+    inside = ((points > -0.5 - margin) & (points < np.array(shape) - 0.5 + margin)).all(axis=1)
+    row, column = points[0]
+    size = f"the picture of {shape[0]} rows and {shape[1]} columns"
     if not inside.any():
-        row, column = points[0]
-        raise ImageError(
-            f"{what} at row {row:g}, column {column:g} lies outside the picture of {shape[0]} rows and "
-            f"{shape[1]} columns"
-        )
+        raise ImageError(f"{what} at row {row:g}, column {column:g} lies outside {size}")
+    if reach > _MAX_REACH * max(shape):
+        raise ImageError(f"{what} must not reach {reach:g} px: that is far beyond {size}")
 
 
 def _draw(canvas: UInt8, points: FloatArray, radius: float | None, level: int) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
-from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.ellipse import PlaneEllipse, nearest_on_sides
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph.arc import PAD_MIDDLE, turns_from
 from fingerpad.image.photograph.calibration import DOUBT
@@ -169,12 +169,9 @@ def _points_under_stroke(points: FloatArray, stroke: ArrayLike, radius: float) -
     path = _check_points("a stroke", stroke)
     if not (len(path) and radius > 0 and math.isfinite(radius)):
         raise ImageError(f"a stroke needs a point and a positive radius, found {len(path)} and {radius}")
-    start, end = (path, path) if len(path) == 1 else (path[:-1], path[1:])
-    along = end - start
-    length = np.maximum((along**2).sum(axis=1), 1e-12)
-    share = np.einsum("nki,ki->nk", points[:, None] - start, along) / length
-    foot = start + share.clip(0, 1)[..., None] * along
-    return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1) <= radius)
+    sides = (path, path) if len(path) == 1 else (path[:-1], path[1:])
+    off = points[:, None] - nearest_on_sides(points[:, None], *sides)
+    return np.asarray(np.linalg.norm(off, axis=2).min(axis=1) <= radius)
 
 
 def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float = 0.0) -> FaceSemiAxes:
