@@ -60,7 +60,7 @@ def test_scale_uncertainty():
     assert scale.relative_std == pytest.approx(
         math.hypot(0.05 / 23.25, coin.semi_major_std / coin.semi_major), rel=1e-9
     )
-    with pytest.raises(CalibrationError, match="length_mm must be positive"):
+    with pytest.raises(CalibrationError, match="diameter_mm must be positive"):
         coin.scale(0.0)
 
 

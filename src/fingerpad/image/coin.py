@@ -146,17 +146,10 @@ class Coin(Displayed):
         CalibrationError
             If the diameter is not positive and finite, or its uncertainty negative.
         """
-        row, column = self.centre
         # What lies in the coin's plane is shortened across the tilt too, and its area as much.
         shortened = self.semi_major - self.semi_minor if "coin_tilted" in self.flags else 0.0
-        return Scale.of_line(
-            diameter_mm,
-            (row, column - self.semi_major),
-            (row, column + self.semi_major),
-            length_mm_std=diameter_mm_std,
-            # Two ends of independent error make √2 of one: the diameter's own error is twice the radius's.
-            point_px_std=math.sqrt(2) * math.hypot(self.semi_major_std, shortened / 2),
-        )
+        own_std = 2 * math.hypot(self.semi_major_std, shortened / 2)
+        return Scale._of_length("diameter_mm", diameter_mm, diameter_mm_std, 2 * self.semi_major, own_std)
 
 
 def measure_coin(image: ImageLike) -> Coin:
@@ -209,7 +202,7 @@ def measure_coin(image: ImageLike) -> Coin:
     x, y = ((place + 0.5) * step - 0.5 for place in (chosen.ellipse.x, chosen.ellipse.y))
     start = replace(chosen.ellipse.scaled(step), x=x, y=y)
     smooth = _smooth(values)
-    outline = fit_edge(smooth, start, 3.0 * step, 3.0)
+    outline = fit_edge(smooth, start, 3.0 * step)
     if outline is None or outline.support < _MIN_SUPPORT:
         raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
     shadow, band = _beside_edge(smooth, outline.ellipse)
@@ -273,7 +266,7 @@ def _outlines(image: Float32Array) -> list[Outline]:
 
 
 def _fit_edges(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
-    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
+    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size)) for e in ellipses)
     return [o for o in fits if o and o.support > _MIN_SUPPORT]
 
 
@@ -400,7 +393,9 @@ def _gaps(ellipse: PlaneEllipse, other: PlaneEllipse) -> FloatArray:
     return np.abs(other.offsets(ellipse.points(72)[0]) / other.size)
 
 
-def fit_edge(image: Float32Array, ellipse: PlaneEllipse, reach: float, closest: float) -> Outline | None:
+def fit_edge(
+    image: Float32Array, ellipse: PlaneEllipse, reach: float, closest: float = 3.0
+) -> Outline | None:
     """Fit an ellipse to the steepest places near another one, from within `reach` down to `closest`, px."""
     while True:
         points, slope, found = _edge_points(image, ellipse, reach)
