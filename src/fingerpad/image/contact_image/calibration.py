@@ -135,8 +135,8 @@ class SmoothModel:
 
     # Standard deviation that all of the edge shares.
     pixel: float = 0.3  # px
-    by_width: float = 0.06  # of the step's width
-    by_scatter: float = 4.5  # of the scatter along the outline: a wet rim wobbles
+    by_width: float = 0.08  # of the step's width
+    by_scatter: float = 5.5  # of the scatter along the outline: a wet rim wobbles
     second: float = 0.3  # of the distance of a second edge
     hidden: float = 0.05  # of the radius, where nothing of the edge is seen
     cut: float = 0.3  # of the radius, where the frame cuts the contact

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, as_float32
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import filled_polygon
+from fingerpad.image._masks import disk, filled_polygon
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import Edge, StepErrors, even_edge
 from fingerpad.image.contact_image.region import Region
@@ -31,6 +31,9 @@ _NESTED_SCORE: Final = 0.6  # where it is as clear as this
 _NESTED_HEIGHT: Final = 0.1  # and as high, as a share
 _LARGE_BUBBLE: Final = 0.4  # one the other way is a contact rather than a bubble if so large beside the other
 _LEAST_AROUND_PX: Final = 20
+_EVEN: Final = 0.5 / 255  # of the range; an added border is as even as this, and no ground is
+_AROUND: Final = (1.05, 1.25)  # of the contact's size; the ground lies there
+_CLIPPED: Final = (0, 1, 255, 65535)  # levels that a camera shows without noise
 _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"
@@ -152,6 +155,10 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
     ground = np.full_like(copy, np.median(turned))
     in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
     rows, columns = (whole / own for whole, own in zip(part.pixels.shape, shape, strict=True))
+    shown = part.shown(shape)
+    border = cv2.resize(cv2.erode((~shown).astype(np.uint8), disk(4)), part.pixels.shape[::-1]) > 0
+    if border.any() and part.pixels[border].std() > _EVEN * np.ptp(part.pixels):
+        shown = np.ones(shape, dtype=bool)  # even ground, not an added border
     return View(
         part=part,
         scale=scale,
@@ -161,7 +168,7 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
         noise=0.0 if step is None else step.noise,
         contrast=0.0 if step is None else step.height,
         dark_on_light=dark,
-        shown=part.shown(shape),
+        shown=shown,
         inside=np.asarray(in_copy),
         period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(rows * columns)),
     )
@@ -171,7 +178,7 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     """Return a step as the edge of a contact in the copy, moved to where the contact ends."""
     shift, shared, unclear = _beyond(step)
     doubts = {"low_contrast"} if step.height < SMOOTH.low_contrast * _ground(step) else set()
-    if step.cut:
+    if step.cut or _cut_out(step, view.part.pixels):
         doubts.add("touches_border")
     elif step.seen < SMOOTH.least_seen:
         doubts.add("edge_hidden")
@@ -193,6 +200,16 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
         doubts=frozenset(doubts),
     )
     return replace(edge, step_errors=errors)
+
+
+def _cut_out(step: Step, pixels: npt.NDArray[np.number]) -> bool:
+    """Return whether no noise lies around a step: what was cut out of a picture was put on an even ground."""
+    centre = step.points.mean(axis=0)
+    inner, outer = (
+        filled_polygon(centre + size * (step.points - centre), pixels.shape) > 0 for size in _AROUND
+    )
+    levels = pixels[outer & ~inner]
+    return bool(levels.size and np.ptp(levels) == 0 and levels[0] not in _CLIPPED)
 
 
 def _beyond(step: Step) -> tuple[float, float, bool]:

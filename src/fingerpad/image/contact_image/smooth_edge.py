@@ -33,8 +33,13 @@ _LEAST_SECOND: Final = 0.25  # a second edge drops by no less than this share of
 _SEEN: Final = 0.85  # a contact of which less of the outline is seen may leave the frame
 _DIRECTIONS: Final = 180
 # How far profiles reach to both sides, in parts of the contact's mean radius, round by round.
-_REACHES: Final = (0.45, 0.3, 0.25, 0.25, 0.25)
-_ORDERS: Final = (2, 2, 3, 4, 4)
+_REACHES: Final = (0.45, 0.4, 0.3, 0.25, 0.25)
+_ORDERS: Final = (2, 3, 5, 8, 12)  # waves round the outline: few first, which no reflection draws along
+_SEARCH: Final = 0.25  # of that reach; the edge lies at least so near the outline: no contact is an ellipse
+_STIFF: Final = (
+    1e-6  # times the wave number to the fourth power: where nothing is seen, fine waves stay small
+)
+_DENT: Final = 0.032  # of the radius; an edge that far off the other waves counts still a little
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,6 +60,7 @@ class Step:
     overshoot: float  # how far the first fringe outside rises beyond the ground, over the height; 0 for none
     fringe: float  # how far outside the edge it lies
     cut: bool = False  # whether the contact leaves the picture
+    overlap: float = 1.0  # intersection over union of the contact and its ellipse
 
     @property
     def radius(self) -> float:
@@ -73,7 +79,7 @@ class Step:
         sharp = 1 / (1 + (self.width / (0.25 * self.radius)) ** 2)
         straight = 1 / (1 + (self.scatter / (0.03 * self.radius + 0.5)) ** 2)
         clear = self.height / (self.height + 2 * self.noise)
-        return self.seen * sharp * straight * clear
+        return self.seen * sharp * straight * clear * self.overlap
 
 
 def find_steps(
@@ -210,7 +216,7 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
         step = _step_across(points, signal, inside, sign, reach)
         if step is None:
             return None
-        shift = _low_order(step.off, order)
+        shift = _low_order(step.off, order, step.radius)
         if shift is None:
             return None
         limit = 0.5 * reach * step.radius
@@ -218,27 +224,31 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
         points = evenly_spaced(moved, math.inf, min_count=_DIRECTIONS)
         if not abs(signed_area(points)) > 20:
             return None
-    return _step_across(points, signal, inside, sign, _REACHES[-1])
+    moments = polygon_moments(points)
+    if not moments.spread[1] > 0:  # an outline that crosses itself
+        return None
+    step = _step_across(points, signal, inside, sign, _REACHES[-1])
+    return step and replace(step, overlap=moments.overlap(points))
 
 
-def _low_order(off: FloatArray, order: int) -> FloatArray | None:
-    """Return a robust sum of few waves round the outline through what is seen of it."""
+def _low_order(off: FloatArray, order: int, radius: float) -> FloatArray | None:
+    """Return a robust sum of waves round the outline, up to an order, through what is seen of it."""
     good = np.isfinite(off)
     if np.count_nonzero(good) < 0.25 * len(off):
         return None
     t = 2 * math.pi * np.arange(len(off)) / len(off)
     waves = [np.ones_like(t)] + [each(k * t) for k in range(1, order + 1) for each in (np.cos, np.sin)]
     base = np.stack(waves, axis=1)
-    # Where part of the outline is hidden, fine waves stay small.
-    stiff = np.diag([0.0] * min(5, base.shape[1]) + [0.02 * len(off)] * max(0, base.shape[1] - 5))
+    number = (np.arange(base.shape[1]) + 1) // 2
+    stiff = np.diag(_STIFF * len(off) * number**4 + 1e-6)
     values, weight = np.where(good, off, 0.0), good.astype(np.float64)
     found = np.zeros(base.shape[1])
     found[0] = np.median(off[good])
     for _ in range(15):
         rest = values - base @ found
-        spread = robust_std(rest[good]) + 0.05
+        spread = robust_std(rest[good]) + 0.05 + _DENT / 4 * radius
         weight = good * np.maximum(0.0, 1 - (rest / (4 * spread)) ** 2) ** 2
-        normal = base.T @ (base * weight[:, None]) + stiff + 1e-6 * np.eye(len(found))
+        normal = base.T @ (base * weight[:, None]) + stiff
         found = np.linalg.solve(normal, base.T @ (weight * values))
     return np.asarray(base @ found)
 
@@ -274,7 +284,7 @@ def _step_across(
     # Along each profile only.
     blur = max(0.5, 0.25 * width / spacing)
     blurred = as_float32(cv2.GaussianBlur(as_float32(np.nan_to_num(profiles)), (0, 0), blur, sigmaY=1e-3))
-    search = max(3.0, min(0.5 * far, 2.5 * width))
+    search = max(3.0, min(0.5 * far, 2.5 * width), _SEARCH * reach * radius)
     if ring:
         search = min(max(search, 0.1 * radius), 0.5 * far)
         off, height = _crests(blurred, across, place, search, low)
