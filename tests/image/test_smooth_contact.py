@@ -17,6 +17,7 @@ from fingerpad.image import (
     measure_sequence,
     prepare_contact_image,
 )
+from fingerpad.image.ellipse import polygon_moments
 
 _SCALE = Scale(0.03, 0.0)
 _CENTRE, _AXES, _ANGLE = (118.3, 131.6), (70.2, 52.7), 25.0
@@ -73,6 +74,38 @@ def test_area_and_axes_are_within_their_uncertainty(contrast, reflection, with_b
     assert np.allclose(found.centroid, _CENTRE, atol=0.7)
     assert found.dark_on_light == (contrast < 0)
     assert set(found.flags) <= {"edge_hidden"}
+
+
+def _uneven(share, *, shift):
+    """Return a bright contact with waves of up to this share of its radius, its area and semi-axes, in px."""
+    turn = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    waves = np.cos(3 * turn) + 0.6 * np.cos(5 * turn + shift) + 0.4 * np.cos(7 * turn + 2 * shift)
+    size = 1 + share * waves / np.abs(waves).max()
+    outline = np.stack([130 + 75 * size * np.cos(turn), 120 + 55 * size * np.sin(turn)], axis=1)
+    fine = np.zeros((240 * 8, 260 * 8), np.uint8)
+    cv2.fillPoly(fine, [np.rint(((outline + 0.5) * 8 - 0.5) * 16).astype(np.int32)], 255, shift=4)
+    inside = cv2.GaussianBlur(cv2.resize(fine, (260, 240), interpolation=cv2.INTER_AREA) / 255, (0, 0), 0.8)
+    image = 10 + 150 * inside + np.random.default_rng(3).normal(0, 1, inside.shape)
+    moments = polygon_moments(outline)
+    return np.rint(image).astype(np.uint8), moments.area, moments.semi_axes
+
+
+@pytest.mark.parametrize(("share", "shift"), [(0.04, 1.0), (0.08, 2.0), (0.08, 4.0)])
+def test_a_contact_that_is_no_ellipse_is_followed_round_its_corners(share, shift):
+    image, area, axes = _uneven(share, shift=shift)
+    found = measure_contact_image(image, _SCALE, surface="smooth")
+    assert set(found.flags) <= {"straight_side"}  # which waves of 8 % may nearly have
+    assert found.gross_area == pytest.approx(area * 0.03**2, rel=0.006)
+    assert found.gross_area_std < 0.015 * found.gross_area
+    measured = (found.ellipse.semi_major, found.ellipse.semi_minor)
+    assert measured == pytest.approx(axes * 0.03, rel=0.004)
+
+
+def test_a_cut_out_on_even_ground_is_cut():
+    image, _, _ = _uneven(0.04, shift=1.0)
+    rows, columns = np.mgrid[:240, :260]
+    image[np.hypot(rows - 120, columns - 130) > 50] = 10
+    assert "touches_border" in measure_contact_image(image, _SCALE, surface="smooth").flags
 
 
 @pytest.mark.parametrize("with_background", [True, False])

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, as_float32
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import disk, filled_polygon
+from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import Edge, StepErrors, even_edge
 from fingerpad.image.contact_image.region import Region
@@ -31,7 +31,6 @@ _NESTED_SCORE: Final = 0.6  # where it is as clear as this
 _NESTED_HEIGHT: Final = 0.1  # and as high, as a share
 _LARGE_BUBBLE: Final = 0.4  # one the other way is a contact rather than a bubble if so large beside the other
 _LEAST_AROUND_PX: Final = 20
-_EVEN: Final = 0.5 / 255  # of the range; an added border is as even as this, and no ground is
 _AROUND: Final = (1.05, 1.25)  # of the contact's size; the ground lies there
 _CLIPPED: Final = (0, 1, 255, 65535)  # levels that a camera shows without noise
 _REFUSED: Final = (
@@ -155,10 +154,6 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
     ground = np.full_like(copy, np.median(turned))
     in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
     rows, columns = (whole / own for whole, own in zip(part.pixels.shape, shape, strict=True))
-    shown = part.shown(shape)
-    border = cv2.resize(cv2.erode((~shown).astype(np.uint8), disk(4)), part.pixels.shape[::-1]) > 0
-    if border.any() and part.pixels[border].std() > _EVEN * np.ptp(part.pixels):
-        shown = np.ones(shape, dtype=bool)  # even ground, not an added border
     return View(
         part=part,
         scale=scale,
@@ -168,7 +163,7 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
         noise=0.0 if step is None else step.noise,
         contrast=0.0 if step is None else step.height,
         dark_on_light=dark,
-        shown=shown,
+        shown=part.shown(shape),
         inside=np.asarray(in_copy),
         period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(rows * columns)),
     )

@@ -34,11 +34,10 @@ _SEEN: Final = 0.85  # a contact of which less of the outline is seen may leave 
 _DIRECTIONS: Final = 180
 # How far profiles reach to both sides, in parts of the contact's mean radius, round by round.
 _REACHES: Final = (0.45, 0.4, 0.3, 0.25, 0.25)
-_ORDERS: Final = (2, 3, 5, 8, 12)  # waves round the outline: few first, which no reflection draws along
-_SEARCH: Final = 0.25  # of that reach; the edge lies at least so near the outline: no contact is an ellipse
-_STIFF: Final = (
-    1e-6  # times the wave number to the fourth power: where nothing is seen, fine waves stay small
-)
+_ORDERS: Final = (2, 2, 4, 12, 12)  # waves round the outline: few first, which no reflection draws along
+_SEARCH: Final = 0.25  # of that reach; no contact is an ellipse, so its edge is sought at least so far off
+# Times the wave number to the fourth power: where nothing is seen, fine waves stay small.
+_STIFF: Final = 3e-5
 _DENT: Final = 0.032  # of the radius; an edge that far off the other waves counts still a little
 
 
