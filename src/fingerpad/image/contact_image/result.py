@@ -250,7 +250,6 @@ def evaluate(
         "cut_by_mask": view.cut_by_mask(edge.points, edge.steps),
         "several_regions": region.several,
         "poor_ellipse": overlap < _POOR_OVERLAP,
-        "straight_side": not edited and flattest(edge.points, _PIECE) < _STRAIGHT,
         "edited_manually": edited,
         **dict.fromkeys(edge.step_errors.doubts, True),
     }
@@ -266,6 +265,8 @@ def evaluate(
         area_variance = unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
         border = fine.border() * mm_per_px if view.resolved else math.nan
         threshold = ridges.median_level(region.patch)
+        # One without ridges follows its edge so well that a flat side looks cut.
+        doubts["straight_side"] = not edited and flattest(edge.points, _PIECE) < _STRAIGHT
         doubts |= _doubts_of_ridges(view, edge, fine, merged=ridge_area > _MANY_RIDGES * moments.area)
     noise, edge_effect = _outline_uncertainty(view, edge, moments, outline, ridge_area)
     noise[3, 3] += area_variance
