@@ -247,7 +247,7 @@ class LoadingFit(Recorded):
     uncertainty: Mapping[str, LawUncertainty]
     unexplained: float
     misfit_std: Mapping[str, float]
-    shape_factor: float
+    shape_factor: float = field(repr=False)
     rows: FitData
     notes: Mapping[str, str]
     flags: tuple[str, ...]
