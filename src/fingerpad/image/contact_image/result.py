@@ -34,8 +34,8 @@ from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 LOW_CONTRAST: Final = 5.0  # over noise; a contact of less hardly stands out from it
 _POOR_OVERLAP: Final = 0.85
 # Of the outline a piece of 0.6 of the root of the area, about a sixth of it, departs less from a line only
-# where something cuts the contact: those of whole ones by 0.0043 or more of that root.
-_PIECE, _STRAIGHT = 0.6, 0.0035
+# where something cuts the contact: those of whole ones by 0.0030 or more of that root.
+_PIECE, _STRAIGHT = 0.6, 0.0025
 _MANY_RIDGES: Final = 0.59  # of the contact; more may have been joined by sweat or ink
 _WINDOW: Final = 3.0  # ridge periods; over such windows
 _MIN_SPREAD: Final = 76.0  # of 255 levels; resolved ridges spread by more
