@@ -238,27 +238,6 @@ def runs(mask: BoolArray, *, closed: bool = True) -> list[IndexArray]:
     return [piece for piece in pieces if mask[piece[0]]]
 
 
-def flattest(points: FloatArray, share: float) -> float:
-    """Return how far the flattest piece of a closed outline departs from a line, rms; no unit matters.
-
-    Its points are evenly spaced. The piece is as long as a share of the root of the area, which the distance
-    is divided by.
-    """
-    size = math.sqrt(abs(signed_area(points)))
-    spacing = float(np.hypot(*(shifted(points, 1) - points).T).mean())
-    count = min(max(3, round(share * size / spacing)), len(points))
-    x, y = (points - points.mean(axis=0)).T
-
-    def means(values: FloatArray) -> FloatArray:
-        total = np.cumsum(np.concatenate([[0.0], values, values[: count - 1]]))
-        return np.asarray((total[count:] - total[:-count]) / count)
-
-    mean_x, mean_y = means(x), means(y)
-    xx, yy, xy = means(x * x) - mean_x**2, means(y * y) - mean_y**2, means(x * y) - mean_x * mean_y
-    across = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)  # the smaller principal variance
-    return math.sqrt(max(float(across.min()), 0.0)) / size
-
-
 def nearest_on_sides(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
     """Return the place nearest to each point on its side from a start to an end; shapes broadcast."""
     along = ends - starts

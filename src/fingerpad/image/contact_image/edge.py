@@ -18,7 +18,7 @@ from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
-from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted
+from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted, signed_area
 
 _MOSTLY: Final = 0.45  # share of an outline without ridges beyond which it may be that of something else
 _MOST_FADE: Final = 2.0  # ridge periods over which contacts fade at most
@@ -253,6 +253,22 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
     """Return running means along a closed sequence."""
     width = min(max(1, width) | 1, len(values) | 1)
     return np.asarray(uniform_filter1d(values, width, axis=0, mode="wrap"))
+
+
+def flattest(points: FloatArray, share: float) -> float:
+    """Return how far the flattest piece of a closed outline departs from a line, rms; no unit matters.
+
+    Its points are evenly spaced. The piece is as long as a share of the root of the area, which the distance
+    is divided by.
+    """
+    size = math.sqrt(abs(signed_area(points)))
+    spacing = float(np.hypot(*(shifted(points, 1) - points).T).mean())
+    count = min(max(3, round(share * size / spacing)), len(points))
+    x, y = (points - points.mean(axis=0)).T
+    mean_x, mean_y, *squares = uniform_filter1d(np.array([x, y, x * x, y * y, x * y]), count, mode="wrap")
+    xx, yy, xy = squares - np.array([mean_x * mean_x, mean_y * mean_y, mean_x * mean_y])
+    across = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)  # the smaller principal variance
+    return math.sqrt(max(float(across.min()), 0.0)) / size
 
 
 def smooth_normals(points: FloatArray, period: float) -> FloatArray:

@@ -20,6 +20,7 @@ from fingerpad.image.contact_image.edge import (
     Edge,
     axis_weights,
     edge_offset_std,
+    flattest,
     outline_noise,
     running_mean,
     step_noise,
@@ -28,7 +29,7 @@ from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View
-from fingerpad.image.ellipse import AreaMoments, ImageEllipse, flattest, polygon_moments
+from fingerpad.image.ellipse import AreaMoments, ImageEllipse, polygon_moments
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 LOW_CONTRAST: Final = 5.0  # over noise; a contact of less hardly stands out from it

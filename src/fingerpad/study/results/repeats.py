@@ -65,7 +65,7 @@ _AT_ONCE: Final = 500
 # An area is unlike its repeats from so many usual deviations on, and from this difference of logarithms; a
 # median of three is the least, and so many deviations tell what is usual.
 _UNLIKE, _LEAST_UNLIKE, _FEWEST_REPEATS, _ENOUGH = 5.0, 0.2, 3, 6
-# Through how many loads a line shows which of them lies off it, and how many of very many are tried.
+# Through how many loads a line shows which of them lies off it, and from how many at most it is found.
 _FEWEST_LOADS, _MOST_LOADS = 4, 60
 
 
@@ -258,11 +258,12 @@ def _off_line(x: FloatArray, y: FloatArray) -> FloatArray:
     some = np.unique(np.linspace(0, x.size - 1, _MOST_LOADS).round().astype(int))
     first, second = some[np.stack(np.triu_indices(some.size, 1))]
     slope = (y[second] - y[first]) / (x[second] - x[first])
-    off = y - y[first, None] - slope[:, None] * (x - x[first, None])
-    half = x.size // 2
-    typical = np.partition(np.abs(off), half, axis=1)[:, half]
+    off = np.abs(y[some] - y[first, None] - slope[:, None] * (x[some] - x[first, None]))
+    half = some.size // 2
+    typical = np.partition(off, half, axis=1)[:, half]
     best = np.argmin(np.where((slope > 0) & (slope < 1), typical, np.inf))
-    good = np.abs(off[best]) < max(_LEAST_UNLIKE / 2, 2 * typical[best])
+    off_best = np.abs(y - y[first[best]] - slope[best] * (x - x[first[best]]))
+    good = off_best < max(_LEAST_UNLIKE / 2, 2 * typical[best])
     return np.asarray(y - np.polyval(np.polyfit(x[good], y[good], 1), x))
 
 
