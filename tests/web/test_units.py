@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from fingerpad.study.results.load import load_results
 from fingerpad.study.results.table import COLUMNS, GLOSSARY
 from fingerpad.web.answers import Answer, Quantity, semi_axes
 from fingerpad.web.api.results import _label
@@ -12,10 +13,12 @@ from fingerpad.web.api.results import _label
 CONTACT = "synthetic_30deg_2N"
 
 
-def test_numbers_are_those_of_the_tables(done):
-    """A quantity that has a column is the column's value, in its unit."""
+def test_numbers_are_those_of_the_tables(done, run_once):
+    """A quantity that has a column is the column's value, in its unit; answers are the report's."""
     rows = {row["item"]: row for row in done.ask("results/rows", limit=2000)["rows"]}
+    sentences = load_results(run_once / "results")._repr_html_()
     for group in done.ask("results/plot"):
+        assert group["answer"][1:].replace("\xa0", " ") in sentences
         for place, item in enumerate(group["items"]):
             row, point = rows[item], {key: shown[place] for key, shown in group["points"].items()}
             on_given_pad = point.pop("radius_from_indentation_mm_fixed_geometry")

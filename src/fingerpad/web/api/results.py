@@ -18,8 +18,9 @@ from fingerpad.published import audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
+from fingerpad.study.results import output
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey
-from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
 from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of, with_unit
 from fingerpad.web.api.base import Opened, Params, Query, here, router
@@ -84,13 +85,15 @@ class Pooling(Answer):
 
 
 class PlottedGroup(Group):
-    """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
+    """A finger at one placement: what was found, the rows to plot, and whether Hertz theory holds.
 
-    `points` are the columns that are plotted against the load of each item, `doubts` the limits of the
-    model that rows are beyond. `radius_verdict` is that of the corrected radius, `radius_of_model`
-    whether its standard uncertainty holds what the model leaves uncertain. `checks` are verdicts and words.
+    `answer` is the sentence of the report's first page. `points` are the columns that are plotted against
+    the load of each item, `doubts` the limits of the model that rows are beyond. `radius_verdict` is that of
+    the corrected radius, `radius_of_model` whether its standard uncertainty holds what the model leaves
+    uncertain. `checks` are verdicts and words.
     """
 
+    answer: str
     radius_from_indentation_mm: Quantity
     radius_verdict: str
     radius_of_model: bool
@@ -247,10 +250,12 @@ def plot(opened: Opened) -> list[PlottedGroup]:
         key = tuple(row[name] for name in PLACEMENT)
         if key in placed:
             placed[key].append(row)
-    return [_group(one, placed[one.key], active) for one in found.summary.summaries]
+    found_at = output.answers(found.summary.summaries, found.summary.by_load)
+    return [_group(one, placed[one.of.key], active) for one in found_at]
 
 
-def _group(of: PlacementRecord, placed: list[Row], active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
+def _group(found: output.Answer, placed: list[Row], active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
+    of = found.of
     rows = [row for row in placed if row["status"] == "measured"]
     rejected = sum(row["status"] == "rejected" and row["frame"] is None for row in placed)
     radius = of.validity.headlines[_PLOTTED[0]]
@@ -258,6 +263,7 @@ def _group(of: PlacementRecord, placed: list[Row], active: Mapping[str, ActiveCo
     return PlottedGroup.of(
         of,
         figure=group_name(of.key),
+        answer=f"{found.text[:1].upper()}{found.text[1:]}.".replace(" ± ", "\u00a0±\u00a0"),
         pooling=_pooling(rows, rejected, active),
         items=[row["observation"] for row in rows],
         load_N=[row["load_N"] for row in rows],

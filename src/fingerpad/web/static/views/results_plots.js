@@ -149,6 +149,7 @@ export class Plots {
       group,
       figureOf(this.figures, group, FIGURES[this.quantity]),
       [
+        h("p.answer", group.answer),
         h("dl.facts", [
           group.radius_from_indentation_mm.value !== null &&
             h("div.main-fact", [
