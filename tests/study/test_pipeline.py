@@ -214,6 +214,17 @@ def test_a_study_through_a_link_and_by_its_folder(tmp_path):
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
+@pytest.mark.parametrize(
+    ("factor", "surface", "noted"),
+    [(1, "ridged", 0), (0.1, "ridged", 1), (10, "ridged", 1), (10, "smooth", 0)],
+)
+def test_a_modulus_of_no_finger_pad_is_noted(tmp_path, factor, surface, noted):
+    """As of loads in another unit; a smooth contact is of a robot's finger, of any material."""
+    study = write_study(tmp_path, finger(), contact("x", 2 * factor, (7.4, 5)), surface=surface)
+    notes = [one for one in implausible_values(run_study(study, tmp_path / "out")) if "modulus" in one]
+    assert len(notes) == noted
+
+
 def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
     pad = finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in PAD.items()})
     touched = contact("x", 1, (0.074, 0.05), std=1e-4, axis="")
@@ -222,7 +233,7 @@ def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
     assert "deeper_than_pad" in only["range_notes"]
     assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size implausible_modulus")
     assert result.summaries[0].corrected_radius is None
-    (size, *_) = implausible_values(result)
+    size, *_ = (one for one in implausible_values(result) if "semi-axis" in one)
     assert size.startswith("f, wedge 30°: x: a semi-axis of the pad lies outside 2–40 mm: ")
     page = page_of(result, tmp_path / "out")
     assert page.index("f, wedge 30°: x: a semi-axis") < page.index("<details")

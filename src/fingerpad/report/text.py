@@ -92,6 +92,8 @@ _MOST_APART, _FAR_APART, _LIKE_LOADS = 3.0, 1.2, 1.25
 _MOST_NAMED: Final = 3
 # Relative scatter of areas of repeats by which images, loads or angles look mixed up.
 _MOST_SCATTER: Final = 0.15
+# Beyond these, kPa, a modulus is no finger pad's, as of loads in another unit.
+_SOFTEST, _HARDEST = 8.0, 500.0
 # Range notes of what no finger has.
 _OF_NO_FINGER: Final = ("implausible_size", "implausible_modulus", "deeper_than_pad", "as_wide_as_pad")
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"
@@ -261,7 +263,14 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
             if check.check == AREA_FALLS and check.verdict in {STRAINED, FAILS}:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
-    for summary in result.summaries:
+    for summary, validity in zip(result.summaries, result.validities, strict=True):
+        modulus = validity.headlines[MODULUS]
+        if result.study.surface == "ridged" and (modulus.value < _SOFTEST or modulus.value > _HARDEST):
+            yield (
+                f"{placement_words(summary)}: Young's modulus is "
+                f"{value_with_uncertainty(modulus.value, modulus.total_std)} kPa, where 20 to 200 kPa are "
+                "known of finger pads: check loads, in N, and scale"
+            )
         names = names_by_note(summary)
         for flag in (FLAGS["row"][code] for code in _OF_NO_FINGER if code in names):
             which = joined(names[flag.code], _MOST_NAMED)
