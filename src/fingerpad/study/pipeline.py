@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
@@ -27,14 +27,14 @@ from fingerpad.study.corrections.log import (
 )
 from fingerpad.study.engine.cluster import cluster_executor
 from fingerpad.study.engine.runner import Executor, Progress, records_of
-from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
+from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store, TaskStatus
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
 from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionScale, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
+from fingerpad.study.measuring.run import Measured, item_of, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.results import result_set
 from fingerpad.study.results.methods import provenance
@@ -160,6 +160,9 @@ def run_study(
             if origin["inputs_sha256"][name] != digest:
                 raise ManifestError(f"{name}: was changed while it was read: run again")
 
+        def tell(measured: Measured, item: str, status: Literal["checked", "written"]) -> None:
+            on_progress(replace(measured.progress, item=item, status=status))
+
         def measure_and_write(damaged: Sequence[str] = ()) -> StudyResult:
             """Do what is left to do, with the stored results that were damaged named in the notes."""
             executors: AbstractContextManager[Executor] = (
@@ -183,10 +186,12 @@ def run_study(
                         *_resolution_notes(study, folder),
                         *_column_notes(study, folder),
                     ),
-                    executor=executor,
-                    store=store,
-                    on_check=lambda name: on_progress(
-                        replace(measured.progress, item=name, status="checked")
+                    perform=partial(
+                        records_of,
+                        executor=executor,
+                        store=store,
+                        folder=folder,
+                        on_done=lambda task: tell(measured, task.item, "checked"),
                     ),
                 )
             for loc, name in study.files():  # tables that were read beside the pictures
@@ -194,15 +199,16 @@ def run_study(
                     raise StoreError(
                         f"{name}: was changed during the run: no results were written; run again to go on"
                     )
-            _write_results(
-                result,
-                measured,
-                store,
-                lambda home: closing(LocalExecutor(home, workers, limits)),
-                all_columns=all_columns,
-                write_report=write_report,
-                on_progress=on_progress,
-            )
+            with result_set.new_result_set(store) as new:
+                drawn = store.statuses(only_drawn=True)  # of the study as it is, not as it was
+                _add_drawn(new, store, (drawn[item.name] for item in measured.items if item.name in drawn))
+                written = partial(tell, measured, status="written")
+                written("tables")
+                write_tables(result, new.folder, all_columns=all_columns)
+                if write_report is not None:
+                    written("report")
+                    with closing(LocalExecutor(new.folder, workers, limits)) as executor:
+                        write_report(result, new.folder, partial(_draw, new, store, executor), written)
             return result
 
         try:
@@ -213,39 +219,19 @@ def run_study(
             return measure_and_write(damaged)
 
 
-def _write_results(
-    result: StudyResult,
-    measured: Measured,
+def _draw(
+    new: result_set.NewResultSet,
     store: Store,
-    draw_in: Callable[[Path], AbstractContextManager[Executor]],
-    *,
-    all_columns: bool,
-    write_report: ReportWriter | None,
-    on_progress: Callable[[Progress], None],
+    executor: Executor,
+    tasks: Iterable[Task],
+    on_drawn: Callable[[Task], None],
 ) -> None:
-    """Write tables, overlays and the report of a run, and put them in place as one."""
-
-    def written(what: str) -> None:
-        on_progress(replace(measured.progress, item=what, status="written"))
-
-    with result_set.new_result_set(store) as new:
-        _add_drawn(new, store, _drawn(measured.items, store))
-        written("tables")
-        write_tables(result, new.folder, all_columns=all_columns)
-        if write_report is None:
-            return
-
-        def draw(tasks: Iterable[Task], on_drawn: Callable[[Task], None]) -> None:
-            records = records_of(tasks, executor, store, new.folder, on_drawn)
-            for record in records.values():
-                if (reason := record.get("reason")) is not None:
-                    raise FingerpadError(reason)
-            for status in store.statuses(records).values():
-                _add_drawn(new, store, status.drawn.items())
-
-        written("report")
-        with draw_in(new.folder) as executor:
-            write_report(result, new.folder, draw, written)
+    """Draw parts of a report into a new result set; each is drawn again only where its key has changed."""
+    records = records_of(tasks, executor, store, new.folder, on_drawn)
+    for record in records.values():
+        if (reason := record.get("reason")) is not None:
+            raise FingerpadError(reason)
+    _add_drawn(new, store, store.statuses(records).values())
 
 
 def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
@@ -325,16 +311,9 @@ def _column_notes(study: Study, folder: Path) -> Iterator[str]:
         yield from (f"{file}: {note}" for note in unread_notes(found, partial(_mapped, key, columns)))
 
 
-def _drawn(items: StudyItems, store: Store) -> Iterator[tuple[str, str]]:
-    """Yield the overlays that belong to the study as it is, by name, each with its digest."""
-    statuses = store.statuses(only_drawn=True)
-    for item in items:
-        if (status := statuses.get(item.name)) is not None:
-            yield from status.drawn.items()
-
-
-def _add_drawn(new: result_set.NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
-    for name, digest in drawn:
+def _add_drawn(new: result_set.NewResultSet, store: Store, statuses: Iterable[TaskStatus]) -> None:
+    """Add the files that tasks drew, as overlays."""
+    for name, digest in (file for status in statuses for file in status.drawn.items()):
         source = store.drawn_file(name, digest)
         if source is None:
             raise StoreError(f"{store.folder / name}: was changed during the run: run again to go on")

@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from contextlib import nullcontext, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -132,31 +132,22 @@ def verify_study(manifest: Path, out: Path | None = None) -> Verification:
     folder = manifest.absolute().parent
     intact: dict[str, str] = {}
     faults: list[str] = []
-    try:
+    with _errors_in(faults):
         study = read_study(manifest)
         count = len(study.observations) + len(study.sequences)
         intact[manifest.name] = f"{counted(len(study.fingers), 'finger')}, {counted(count, 'contact')}"
-    except FingerpadError as error:
-        faults += str(error).splitlines()
     for name in (CORRECTIONS_NAME, SECOND_OPERATOR_NAME):
-        if not (folder / name).is_file():
-            continue
-        try:
-            log = CorrectionLog(folder, name)
-            intact[name] = counted(log.count, "record")
-            faults += log.notes
-        except FingerpadError as error:
-            faults.append(str(error))
+        if (folder / name).is_file():
+            with _errors_in(faults):
+                log = CorrectionLog(folder, name)
+                intact[name] = counted(log.count, "record")
+                faults += log.notes
     if (out / STORE_NAME).is_file():
-        found: list[str] = []
-        try:
-            with Store.reading(out / STORE_NAME) as store:
-                found.extend(_store_faults(store))  # those before an error are kept
-                if not found:
-                    intact[STORE_NAME] = counted(len(store.statuses()), "result")
-        except FingerpadError as error:
-            found.append(str(error))
-        faults += found
+        with _errors_in(faults), Store.reading(out / STORE_NAME) as store:
+            before = len(faults)
+            faults.extend(_store_faults(store))  # those before an error are kept
+            if len(faults) == before:
+                intact[STORE_NAME] = counted(len(store.statuses()), "result")
     listed = result_files(out)
     found = result_set_faults(out, digest_of)
     if listed and not found:
@@ -165,6 +156,15 @@ def verify_study(manifest: Path, out: Path | None = None) -> Verification:
     return Verification(
         intact=intact, faults=tuple(faults), changed_inputs=tuple(_changed_inputs(folder, out))
     )
+
+
+@contextmanager
+def _errors_in(faults: list[str]) -> Iterator[None]:
+    """Take what cannot be read as a fault."""
+    try:
+        yield
+    except FingerpadError as error:
+        faults += str(error).splitlines()
 
 
 def _store_faults(store: Store) -> Iterator[str]:

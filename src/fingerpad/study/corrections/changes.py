@@ -1,7 +1,7 @@
 """What a person can correct in a measurement: each change says all that is wanted of its item."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
@@ -15,8 +15,8 @@ Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, m
 Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False), AfterValidator(not_tiny)]
 Pair = Annotated[list[Size], Field(min_length=2, max_length=2)]
 Points = Annotated[list[Point], Field(min_length=1, max_length=5000)]
-# Points (row, column) that a person drew, and how far round them that reaches, px.
-Drawn: TypeAlias = tuple[Sequence[Sequence[float]], float]
+# Key of what a person drew, its points (row, column), and how far round them that reaches, px.
+Drawn: TypeAlias = tuple[str, Sequence[Sequence[float]], float]
 
 
 class Stroke(ManifestModel):
@@ -131,13 +131,13 @@ class _Judged(ManifestModel):
         """Return it as a record keeps it."""
         return self.model_dump(mode="json", exclude_defaults=True)
 
-    def _drawn(self) -> dict[str, Drawn]:
-        """Return what is drawn into the picture, by key."""
-        return {}
+    def _drawn(self) -> Iterator[Drawn]:
+        """Yield what is drawn into the picture."""
+        yield from ()
 
     def outside(self, shape: tuple[int, int]) -> str | None:
         """Say what misses a picture of this shape altogether; None where nothing does."""
-        for name, (points, reach) in self._drawn().items():
+        for name, points, reach in self._drawn():
             first, last = np.min(points, axis=0), np.max(points, axis=0)
             if np.any(last < -0.5 - reach) or np.any(first > np.array(shape) - 0.5 + reach):
                 return (
@@ -175,21 +175,17 @@ class ContactCorrection(_Judged):
         turn = self.ellipse_px.orientation_deg
         return ImageEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
 
-    def _drawn(self) -> dict[str, Drawn]:
-        box = self.region_of_interest_px
-        points: dict[str, Sequence[Sequence[float]]] = {
-            "seed_px": [self.seed_px] if self.seed_px else [],
-            "mask_px": self.mask_px or [],
-            "region_of_interest_px": [box[:2], box[2:]] if box else [],
-            "ellipse_px.centre": [self.ellipse_px.centre] if self.ellipse_px else [],
-        }
-        return {
-            **{name: (some, 0.0) for name, some in points.items() if some},
-            **{
-                f"strokes[{k}].points_px": (stroke.points_px, stroke.radius_px or 0.0)
-                for k, stroke in enumerate(self.strokes)
-            },
-        }
+    def _drawn(self) -> Iterator[Drawn]:
+        if self.seed_px:
+            yield "seed_px", [self.seed_px], 0.0
+        if self.mask_px:
+            yield "mask_px", self.mask_px, 0.0
+        if box := self.region_of_interest_px:
+            yield "region_of_interest_px", [box[:2], box[2:]], 0.0
+        if self.ellipse_px:
+            yield "ellipse_px.centre", [self.ellipse_px.centre], 0.0
+        for k, stroke in enumerate(self.strokes):
+            yield f"strokes[{k}].points_px", stroke.points_px, stroke.radius_px or 0.0
 
 
 class PhotographCorrection(_Judged):
@@ -202,17 +198,13 @@ class PhotographCorrection(_Judged):
     added_points_px: Annotated[list[Point], Field(max_length=5000)] = Field(default=[])
     erased: Annotated[list[Stroke], Field(max_length=2000)] = Field(default=[])
 
-    def _drawn(self) -> dict[str, Drawn]:
+    def _drawn(self) -> Iterator[Drawn]:
         # The ellipse's centre may lie beyond a picture that shows the tip alone.
-        box = self.region_of_interest_px
-        return {
-            **({"region_of_interest_px": ([box[:2], box[2:]], 0.0)} if box else {}),
-            **{f"added_points_px[{k}]": ([point], 0.0) for k, point in enumerate(self.added_points_px)},
-            **{
-                f"erased[{k}].points_px": (stroke.points_px, stroke.radius_px)
-                for k, stroke in enumerate(self.erased)
-            },
-        }
+        if box := self.region_of_interest_px:
+            yield "region_of_interest_px", [box[:2], box[2:]], 0.0
+        yield from ((f"added_points_px[{k}]", [point], 0.0) for k, point in enumerate(self.added_points_px))
+        for k, stroke in enumerate(self.erased):
+            yield f"erased[{k}].points_px", stroke.points_px, stroke.radius_px
 
 
 class SequenceCorrection(_Judged):

@@ -23,6 +23,8 @@ _POLL_S: Final = 1.0
 
 # Performs the tasks of a run.
 Executor: TypeAlias = LocalExecutor | ClusterExecutor
+# `records_of` some tasks, for a run's executor, store and folder.
+Perform: TypeAlias = Callable[[Iterable[Task]], dict[str, Record]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

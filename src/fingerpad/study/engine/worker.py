@@ -11,7 +11,6 @@ import os
 import pickle
 import queue
 import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -31,7 +30,6 @@ if sys.platform != "win32":
 _BOOTSTRAP: Final = (
     "import sys; sys.path[:] = {path!r}; from fingerpad.study.engine.worker import serve; serve()"
 )
-_LENGTH: Final = struct.Struct("!Q")
 # Of glibc's malloc.h.
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
 
@@ -76,7 +74,7 @@ class Worker:
         timer.daemon = True
         try:
             if not self._is_ready:
-                _read(self._answers)
+                pickle.load(self._answers)  # noqa: S301 (of our own child)
                 self._is_ready = True
             timer.start()
             try:
@@ -84,7 +82,7 @@ class Worker:
             finally:
                 timer.cancel()
                 timer.join()  # it may have run out just now: from here on it does nothing more
-        except (EOFError, OSError):
+        except (EOFError, OSError, pickle.UnpicklingError):  # it ended, perhaps amid an answer
             self.kill()
             if self._late:
                 raise TimeoutError from None
@@ -98,7 +96,7 @@ class Worker:
 
     def _ask(self, question: object) -> object:
         _send(self._questions, pickle.dumps(question))
-        return pickle.loads(_read(self._answers))  # noqa: S301 (of our own child)
+        return pickle.loads(pickle.load(self._answers))  # noqa: S301 (of our own child)
 
     def _end_late(self) -> None:
         self._late = True
@@ -236,24 +234,16 @@ def _answer(question: bytes, idle_bytes: int) -> bytes:
 
 
 def _send(pipe: IO[bytes], message: bytes) -> None:
-    pipe.write(_LENGTH.pack(len(message)) + message)
+    """Write a message, pickled once more: a pickle tells where it ends, though what it holds be broken."""
+    pickle.dump(message, pipe)
     pipe.flush()
-
-
-def _read(pipe: IO[bytes]) -> bytes:
-    """Return the next message; `EOFError` if the other side is gone."""
-    head = pipe.read(_LENGTH.size)
-    message = pipe.read(_LENGTH.unpack(head)[0]) if len(head) == _LENGTH.size else b""
-    if not message:
-        raise EOFError
-    return message
 
 
 def _receive(pipe: IO[bytes], questions: "queue.SimpleQueue[bytes]") -> None:
     """Take questions as they come, and end the process with the parent, even in the middle of a task."""
     try:
         while True:
-            questions.put(_read(pipe))
+            questions.put(pickle.load(pipe))  # noqa: S301 (of our own parent)
     finally:
         os._exit(1)
 

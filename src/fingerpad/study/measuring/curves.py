@@ -108,13 +108,11 @@ class CurveItem(OneTaskItem[Curve]):
     def work(self) -> Work:
         """Return what fits it."""
         pad, given = pad_of(self.finger, self.photographs, self.context), self.context.study.uncertainty
-        known = pad.has_semi_axes
         return partial(
             _record,
             curve=self.table,
-            pad=Ellipsoid(*pad.semi_axes) if known else None,
             poisson_ratio=self.context.study.poisson_ratio,
-            placed=PlacedPad(pad, self.table.wedge_angle_deg, given) if known else None,
+            placed=PlacedPad(pad, self.table.wedge_angle_deg, given) if pad.has_semi_axes else None,
             given=given,
             scale=self.scale,
         )
@@ -153,9 +151,10 @@ class PlacedPad:
             transverse_deviation=(0.0, across_std),
         )
         known = propagate(_radii, inputs.with_covariance(SEMI_AXES, finger.covariance))
+        self.pad = Ellipsoid(*finger.semi_axes)
         # Of a pad that is larger as a whole both radii are larger by as much.
-        pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
-        self.placement = Placement(pad, wedge_angle=wedge_angle)
+        larger = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
+        self.placement = Placement(larger, wedge_angle=wedge_angle)
         # Standard uncertainties of 1/H, mm, and of R1/R2.
         self.radius_std, self.radius_ratio_std = float(known["radius"].std), float(known["ratio"].std)
         self.scale = finger.scale  # of all its photographs
@@ -173,12 +172,12 @@ def _record(
     _out: Path,
     *,
     curve: Curve,
-    pad: Ellipsoid | None,
     poisson_ratio: float,
     placed: PlacedPad | None,
     given: Uncertainty,
     scale: FoundScale | str | None,
 ) -> Record:
+    pad = None if placed is None else placed.pad
     found = curve_result(curve, pad, poisson_ratio, folder, scale=scale, given=given)
     data = found.curve
     if data is not None and data.area is not None and placed is not None and curve.thickness_mm is None:

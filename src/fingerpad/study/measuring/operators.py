@@ -12,13 +12,18 @@ import numpy as np
 from fingerpad.image import read_image
 from fingerpad.study.corrections.apply import corrected_contact_image
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.engine.runner import Executor, records_of
-from fingerpad.study.engine.store import Store
+from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.task import Record, Task, in_study
 from fingerpad.study.manifest.models import Observation, ScaleKey
 from fingerpad.study.measuring.context import FoundScale, RunContext, require_scale
 
-QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2")
+QUANTITY_WORDS: Final = {
+    "semi_major_mm": "semi-major axis",
+    "semi_minor_mm": "semi-minor axis",
+    "gross_area_mm2": "gross area A",
+    "ridge_area_mm2": "ridge area",
+}
+QUANTITIES: Final = tuple(QUANTITY_WORDS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +59,7 @@ def blind_order(names: Sequence[str]) -> list[str]:
     return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
 
-def operator_pairs(context: RunContext, store: Store, executor: Executor) -> list[OperatorPair]:
+def operator_pairs(context: RunContext, perform: Perform) -> list[OperatorPair]:
     """Return the images that two persons outlined, in the manifest's order; those not stored are measured.
 
     What either rejected is left out, and what the first has not looked at; so is a second look by the first.
@@ -71,7 +76,7 @@ def operator_pairs(context: RunContext, store: Store, executor: Executor) -> lis
         )
         for observation, scale, one, other in outlined
     ]
-    records = records_of(tasks, executor, store, context.folder)
+    records = perform(tasks)
     return [
         OperatorPair(
             observation=observation.name,
@@ -120,8 +125,3 @@ def _compare(
         regions.append(seen.region)
     both, either = np.logical_and(*regions), np.logical_or(*regions)
     return record | {"iou": np.count_nonzero(both) / np.count_nonzero(either)}
-
-
-QUANTITY_WORDS: Final = dict(
-    zip(QUANTITIES, ("semi-major axis", "semi-minor axis", "gross area A", "ridge area"), strict=True)
-)

@@ -5,7 +5,15 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
 
-from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
+from fingerpad.study.engine.runner import (
+    Executor,
+    Perform,
+    Plan,
+    Progress,
+    put_unless_changed,
+    records_of,
+    run_plans,
+)
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
 from fingerpad.study.manifest.models import Contact
@@ -81,7 +89,7 @@ def item_of(task: str) -> str:
     return task if "/" in task else task.partition(" ")[0]
 
 
-def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dict[str, FoundScale | str]:
+def resolve_scales(context: RunContext, perform: Perform) -> dict[str, FoundScale | str]:
     """Return every scale of a study, or why there is none; missing coins and grids are measured."""
     tables = scale_tables(context.study)
     tasks = {
@@ -96,8 +104,7 @@ def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dic
         for key, (name, table) in tables.items()
         for _, file in table.files()
     }
-    found = records_of(tasks.values(), executor, store, context.folder)
-    records = dict(zip(tasks, found.values(), strict=True))
+    records = dict(zip(tasks, perform(tasks.values()).values(), strict=True))
     return {
         key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder))
         for key, (name, table) in tables.items()
@@ -122,10 +129,10 @@ def measure_study(
     context: RunContext, store: Store, executor: Executor, on_progress: Callable[[Progress], None]
 ) -> Measured:
     """Measure what the store lacks, store each result as it comes, and return all that was measured."""
-    context = replace(context, scales=resolve_scales(context, store, executor))
+    perform = partial(records_of, executor=executor, store=store, folder=context.folder)
+    context = replace(context, scales=resolve_scales(context, perform))
     statuses, items = store.statuses(), StudyItems(context)
-    headers = [header_task(sequence, context) for sequence in context.study.sequences]
-    records_of(headers, executor, store, context.folder)
+    perform(header_task(sequence, context) for sequence in context.study.sequences)
     progress, done = _progress_of(items, store, executor.limits, statuses)
 
     def is_done(task: Task) -> bool:
@@ -163,7 +170,7 @@ def measure_study(
         sequences=sequences,
         curves=[given_curve(curve) if item is None else item.result() for item, curve in curves],
         contacts=_Contacts(items, sequences),
-        operator_pairs=operator_pairs(context, store, executor),
+        operator_pairs=operator_pairs(context, perform),
     )
 
 

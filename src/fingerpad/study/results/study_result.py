@@ -1,6 +1,6 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import compress
@@ -15,8 +15,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._digest import digest_of_values
 from fingerpad._display import Displayed
 from fingerpad._words import counted
-from fingerpad.study.engine.runner import Executor, records_of
-from fingerpad.study.engine.store import Store
+from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.context import FoundScale
@@ -214,16 +213,10 @@ def _agreement(pairs: Sequence[OperatorPair]) -> summary_file.OperatorAgreementR
 
 
 def result_of(
-    measured: Measured,
-    *,
-    origin: dict[str, Any],
-    notes: tuple[str, ...],
-    executor: Executor,
-    store: Store,
-    on_check: Callable[[str], None],
+    measured: Measured, *, origin: dict[str, Any], notes: tuple[str, ...], perform: Perform
 ) -> StudyResult:
     """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
-    study, folder = measured.items.context.study, measured.items.context.folder
+    study = measured.items.context.study
     repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
     rows = Rows(study, measured.fingers, measured.contacts, repeatability)
     scatter = study_scatter(study, rows.table)
@@ -235,15 +228,13 @@ def result_of(
     found = [replace(summary, table=table) for summary in found]
     return StudyResult(
         study=study,
-        folder=folder,
+        folder=measured.items.context.folder,
         fingers=measured.fingers,
         rows=table,
         sequences=measured.sequences,
         scales={name: measured.items.context.scale(name) for name in study.scales},
         summaries=found,
-        checks=_checks(
-            [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
-        ),
+        checks=_checks([rows.highest_load.get(summary.key) for summary in found], perform),
         repeatability=repeatability,
         scatter=scatter,
         by_load=pool_by_load(
@@ -261,11 +252,7 @@ def result_of(
 
 
 def _checks(
-    highest_load: Sequence[HighestLoad | None],
-    executor: Executor,
-    store: Store,
-    folder: Path,
-    on_check: Callable[[str], None],
+    highest_load: Sequence[HighestLoad | None], perform: Perform
 ) -> list[summary_file.UncertaintyCheckRecord | None]:
     """Look closely at the uncertainty of some contacts."""
     tasks = [
@@ -285,8 +272,7 @@ def _checks(
         for one in highest_load
         if one is not None
     ]
-    records = records_of(tasks, executor, store, folder, lambda task: on_check(task.item))
-    checks = (record.get("check") for record in records.values())
+    checks = (record.get("check") for record in perform(tasks).values())
     found = (None if one is None else next(checks) for one in highest_load)
     return [None if one is None else summary_file.UncertaintyCheckRecord.model_validate(one) for one in found]
 

@@ -476,14 +476,10 @@ class OverlayRecord(Record):
     file: str = Field(description="The picture, relative to the output folder.")
 
 
-class SequenceRecord(Record):
+class SequenceRecord(Placed):
     """An image sequence of one press. Where it could not be measured the counts of frames are left out."""
 
     sequence: str = Field(description="Its name.")
-    finger: str = Field(description="The finger.")
-    wedge_angle_deg: float = Field(description="Angle of the wedge, degrees.")
-    roll_angle_deg: float = Field(description="Roll of the finger, degrees.")
-    synthetic: bool = Field(description="Whether it was rendered.")
     frames: int | None = Field(default=None, description="Number of frames.")
     frames_with_contact: int | None = Field(default=None, description="Number of those measured.")
     frames_without_contact: int | None = Field(default=None, description="Number of those without contact.")
