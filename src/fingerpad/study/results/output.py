@@ -73,10 +73,10 @@ def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: P
                 if COLUMNS[name].dtype == "text":
                     texts = items(batch[name])
                     cells[name] = ["null" if text is None else encode_basestring(text) for text in texts]
-            keyed = ([f'  "{name}": {cell or "null"}' for cell in some] for name, some in cells.items())
-            objects = (" {\n" + ",\n".join(pairs) + "\n }" for pairs in zip(*keyed, strict=True))
-            array.write(between + ",\n".join(objects))
-            between = ",\n"
+            for row in zip(*cells.values(), strict=True):  # at once they would take much memory
+                pairs = (f'  "{name}": {cell or "null"}' for name, cell in zip(names, row, strict=True))
+                array.write(between + " {\n" + ",\n".join(pairs) + "\n }")
+                between = ",\n"
         array.write("\n]\n" if len(rows) else "]\n")
 
 
