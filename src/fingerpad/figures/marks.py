@@ -228,6 +228,10 @@ class Panel(_Record):
         """Draw marks above those that are there."""
         self.marks += marks
 
+    def legend_columns(self, count: int) -> int:
+        """Return the number of columns of a legend of so many names."""
+        return self.columns or (2 if self.legend == "above" and count > 3 else 1)
+
     def limits(self, name: Literal["x", "y"], axis: Axis | None = None) -> tuple[float, float]:
         """Return the ends of an axis, or of another in its place: those given, else round the data."""
         axis = axis or getattr(self, name)
@@ -249,22 +253,21 @@ class Panel(_Record):
         return (low if axis.low is None else axis.low), (high if axis.high is None else axis.high)
 
 
+# Fields of marks with data, by their columns in a CSV.
+_DATA: Final[dict[type, dict[str, str]]] = {
+    Points: {"x": "x", "y": "y", "x_std": "x_std", "y_std": "y_std"},
+    Line: {"x": "x", "y": "y"},
+    Band: {"x": "x", "y_low": "low", "y_high": "high"},
+    Bars: {"x": "length", "y": "place"},
+}
+
+
 def data_of(mark: AnyMark) -> dict[str, FloatArray]:
     """Return the data that a mark shows, by their columns in a CSV."""
-    match mark:
-        case Points():
-            columns = {"x": mark.x, "y": mark.y, "x_std": mark.x_std, "y_std": mark.y_std}
-            return {name: column for name, column in columns.items() if column is not None}
-        case Line():
-            return {"x": mark.x, "y": mark.y}
-        case Band():
-            return {"x": mark.x, "y_low": mark.low, "y_high": mark.high}
-        case Bars():
-            return {"x": mark.length, "y": mark.place}
-        case Rule(to=None):
-            return {mark.axis: np.array([mark.at])}
-        case _:
-            return {}
+    if isinstance(mark, Rule) and mark.to is None:
+        return {mark.axis: np.array([mark.at])}
+    found = {column: getattr(mark, name) for column, name in _DATA.get(type(mark), {}).items()}
+    return {column: data for column, data in found.items() if data is not None}
 
 
 def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:

@@ -12,22 +12,8 @@ from matplotlib.ticker import NullFormatter, NullLocator
 from PIL import Image
 
 from fingerpad.exceptions import FigureError
-from fingerpad.figures.marks import (
-    AnyMark,
-    Axis,
-    Band,
-    Bars,
-    Ellipses,
-    Figure,
-    Line,
-    Panel,
-    Picture,
-    Points,
-    Rule,
-    Text,
-)
+from fingerpad.figures import marks
 from fingerpad.figures.style import FONT_PT, HALO_PT, TICK_PT, in_style, new_figure, tick_rule
-from fingerpad.figures.svg import legend_columns
 
 if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn without
     from matplotlib.axes import Axes
@@ -35,7 +21,7 @@ if TYPE_CHECKING:  # slow to import, and the figures of a report are drawn witho
 
 Arguments = ParamSpec("Arguments")
 # What is drawn on; it is returned.
-AnyAxes = TypeVar("AnyAxes", "Axes", Panel)
+AnyAxes = TypeVar("AnyAxes", "Axes", marks.Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
 _LARGEST_PX: Final = 12_000
@@ -56,22 +42,22 @@ _LEGENDS: Final[dict[str, dict[str, Any]]] = {
 
 
 def on_axes(
-    plot: Callable[Concatenate[Panel, Arguments], None],
+    plot: Callable[Concatenate[marks.Panel, Arguments], None],
 ) -> Callable[Concatenate[AnyAxes, Arguments], AnyAxes]:
     """Let a function that adds marks to a panel draw on Matplotlib's axes too, and return what it drew on."""
 
     @wraps(plot)
     def drawn(axes: Any, *args: Arguments.args, **options: Arguments.kwargs) -> Any:
-        panel = axes if isinstance(axes, Panel) else Panel()
+        panel = axes if isinstance(axes, marks.Panel) else marks.Panel()
         plot(panel, *args, **options)
-        if not isinstance(axes, Panel):
+        if not isinstance(axes, marks.Panel):
             draw(panel, axes)
         return axes
 
     return drawn  # type: ignore[return-value]  # Concatenate knows no names
 
 
-def render(figure: Figure, kind: Literal["pdf", "png"], dpi: float) -> bytes:
+def render(figure: marks.Figure, kind: Literal["pdf", "png"], dpi: float) -> bytes:
     """Return a figure as a file, the same bytes each time."""
     with _DRAWING, in_style():
         drawn = draw_figure(figure)
@@ -87,7 +73,7 @@ def render(figure: Figure, kind: Literal["pdf", "png"], dpi: float) -> bytes:
 
 
 @in_style()
-def draw_figure(figure: Figure) -> "Drawn":
+def draw_figure(figure: marks.Figure) -> "Drawn":
     """Return Matplotlib's figure of a figure that is kept as data."""
     shape = {name: getattr(figure, name) for name in ("width_mm", "height_mm", "rows", "columns")}
     drawn, every = new_figure(**shape)
@@ -108,7 +94,7 @@ def draw_figure(figure: Figure) -> "Drawn":
 
 
 @in_style()
-def draw(panel: Panel, axes: "Axes") -> None:
+def draw(panel: marks.Panel, axes: "Axes") -> None:
     """Draw a panel on Matplotlib's axes, in the style of these figures."""
     axes.set(**{f"{name}scale": "log" for name in "xy" if getattr(panel, name).log})
     for number, mark in enumerate(panel.marks):
@@ -126,11 +112,11 @@ def draw(panel: Panel, axes: "Axes") -> None:
     for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
         samples.setdefault(label, []).append(sample)
     if panel.legend and samples:
-        handles, columns = map(tuple, samples.values()), legend_columns(panel, len(samples))
+        handles, columns = map(tuple, samples.values()), panel.legend_columns(len(samples))
         axes.legend(list(handles), list(samples), ncols=columns, **_LEGENDS[panel.legend])
 
 
-def _set_axis(wanted: Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
+def _set_axis(wanted: marks.Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
     axis = getattr(axes, f"{name}axis")
     if wanted.ticks is not None:
         axis.set_ticks(wanted.ticks, labels=wanted.tick_labels())
@@ -151,17 +137,17 @@ def _set_axis(wanted: Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
         axis.set_label_text(wanted.label)
 
 
-def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
+def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
     look: dict[str, Any] = {"alpha": mark.alpha, "zorder": order, "label": mark.label or "_nolegend_"}
     coloured = {**look, "color": mark.colour}
     match mark:
-        case Points():
+        case marks.Points():
             spots: dict[str, Any] = {"markerfacecolor": mark.face or mark.colour, "markersize": mark.size}
             spots |= {"markeredgecolor": mark.edge or mark.colour, "markeredgewidth": mark.edge_width}
             bars: dict[str, Any] = {"xerr": mark.x_std, "yerr": mark.y_std, "elinewidth": mark.bar_width}
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
-        case Line() if mark.face:
+        case marks.Line() if mark.face:
             from matplotlib.patches import PathPatch
             from matplotlib.path import Path
 
@@ -171,20 +157,20 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             outline = Path(np.column_stack([mark.x, mark.y])[known], codes)
             look |= {"facecolor": mark.face, "edgecolor": (mark.colour, mark.alpha), "alpha": None}
             axes.add_patch(PathPatch(outline, linewidth=mark.width, **look))
-        case Line():
+        case marks.Line():
             look = {**coloured, "linewidth": mark.width, "clip_on": mark.clipped, "solid_capstyle": "butt"}
             axes.plot(mark.x, mark.y, mark.dash, **look)
-        case Band():
+        case marks.Band():
             axes.fill_between(mark.x, mark.low, mark.high, linewidth=0, **coloured)
-        case Rule():
+        case marks.Rule():
             line, span = (axes.axhline, axes.axhspan) if mark.axis == "y" else (axes.axvline, axes.axvspan)
             if mark.to is None:
                 line(mark.at, linewidth=mark.width, linestyle=mark.dash, **coloured)
             else:
                 span(mark.at, mark.to, linewidth=0, **coloured)
-        case Bars():
+        case marks.Bars():
             axes.barh(mark.place, mark.length, height=mark.height, **coloured)
-        case Ellipses():
+        case marks.Ellipses():
             from matplotlib.collections import EllipseCollection
 
             shapes = EllipseCollection(
@@ -198,7 +184,7 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
             )
             axes.add_collection(shapes, autolim=False)
             shapes.set_clip_on(False)
-        case Text():
+        case marks.Text():
             from matplotlib.patheffects import withStroke
 
             places = "data", "axes fraction"
@@ -219,7 +205,7 @@ def _draw(mark: AnyMark, axes: "Axes", order: float) -> None:
                 path_effects=[withStroke(linewidth=HALO_PT, foreground=mark.halo)] if mark.halo else [],
                 **tag,
             )
-        case Picture():
+        case marks.Picture():
             with Image.open(io.BytesIO(base64.b64decode(mark.png))) as picture:
                 pixels = np.asarray(picture)
             extent = (mark.left, mark.right, mark.bottom, mark.top)

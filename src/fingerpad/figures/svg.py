@@ -13,23 +13,7 @@ from typing import Any, Final, assert_never
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.figures import style
-from fingerpad.figures.marks import (
-    AnyMark,
-    Axis,
-    Band,
-    Bars,
-    Ellipses,
-    Figure,
-    Line,
-    Mark,
-    Panel,
-    Picture,
-    Points,
-    Rule,
-    Text,
-    data_of,
-)
+from fingerpad.figures import marks, style
 from fingerpad.figures.style import CAP_PT, FONT_PT
 from fingerpad.figures.svg_text import FONT_FAMILY, LINE_HEIGHT, TextBox, line_width
 from fingerpad.units import MM_PER_INCH
@@ -47,7 +31,7 @@ _CORNERS: Final = {
 }
 
 
-def svg(figure: Figure, name: str, *, description: str = "") -> str:
+def svg(figure: marks.Figure, name: str, *, description: str = "") -> str:
     """Return a figure as an ``<svg>`` element that can stand in an HTML page beside others.
 
     The `name` tells it from others that look the same.
@@ -67,7 +51,7 @@ def svg(figure: Figure, name: str, *, description: str = "") -> str:
     )
 
 
-def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: float) -> None:
+def _place(drawings: list["_Drawing"], figure: marks.Figure, width: float, height: float) -> None:
     """Give all panels frames of one size, such that all that stands outside of the frames has room."""
     shape = figure.rows, figure.columns
     margins = np.zeros((*shape, 4))
@@ -91,7 +75,7 @@ def _place(drawings: list["_Drawing"], figure: Figure, width: float, height: flo
 class _Scale:
     """From data to points along one axis."""
 
-    axis: Axis
+    axis: marks.Axis
     low: float
     high: float
     begin: float = 0.0
@@ -122,7 +106,7 @@ class _Scale:
 class _Drawing:
     """The drawing of one panel."""
 
-    def __init__(self, panel: Panel, clip: str, factor: float) -> None:
+    def __init__(self, panel: marks.Panel, clip: str, factor: float) -> None:
         self.panel, self.clip = panel, clip
         self.factor, self.size, self.tick_size = factor, factor * FONT_PT, factor * style.TICK_PT
         self.x, self.y = (_Scale(getattr(panel, name), *panel.limits(name)) for name in ("x", "y"))
@@ -142,7 +126,7 @@ class _Drawing:
         if self.panel.framed:
             self._axes()
         for mark in self.panel.marks:
-            if final or isinstance(mark, Text):
+            if final or isinstance(mark, marks.Text):
                 self._draw(mark)
         self._write(self.panel.title, self.left, self.top - 4, self.size)
         if self.panel.legend:
@@ -190,45 +174,45 @@ class _Drawing:
     def _add(self, element: str, *, clipped: bool = False) -> None:
         self.drawn.append(f'<g clip-path="url(#{self.clip})">{element}</g>' if clipped else element)
 
-    def _draw(self, mark: AnyMark) -> None:
+    def _draw(self, mark: marks.AnyMark) -> None:
         match mark:
-            case Points():
+            case marks.Points():
                 bars = self._bars(mark, "x") + self._bars(mark, "y")
                 lines = f'<path d="{bars}" {_stroke(mark, mark.bar_width)}/>' if bars else ""
                 self._add(lines + _spots(self.x(mark.x), self.y(mark.y), mark), clipped=True)
-            case Line():
+            case marks.Line():
                 line = _polyline(self.x(mark.x), self.y(mark.y))
                 self._add(f'<path d="{line}" {_stroke(mark, mark.width, mark.dash)}/>', clipped=mark.clipped)
-            case Band():
+            case marks.Band():
                 known = np.isfinite(mark.x + mark.low + mark.high)
                 x, y = mark.x[known], np.append(mark.low[known], mark.high[known][::-1])
                 outline = _polyline(self.x(np.append(x, x[::-1])), self.y(y))
                 self._add(f'<path d="{outline}" {_fill(mark)}/>', clipped=True)
-            case Rule():
+            case marks.Rule():
                 x, y = np.array([self.left, self.right]), np.array([self.top, self.bottom])
                 ends = np.array([mark.at, mark.at if mark.to is None else mark.to])
                 x, y = (self.x(ends), y) if mark.axis == "x" else (x, self.y(ends))
                 line = f'<path d="{_polyline(x, y)}" {_stroke(mark, mark.width, mark.dash)}/>'
                 self._add(line if mark.to is None else _rectangle(x, y, _fill(mark)), clipped=True)
-            case Bars():
+            case marks.Bars():
                 for place, length in zip(mark.place, mark.length, strict=True):
                     sides = place - mark.height / 2, place + mark.height / 2
                     x, y = self.x(np.array([0.0, length])), self.y(np.array(sides))
                     self._add(_rectangle(x, y, _fill(mark)), clipped=True)
-            case Ellipses():
+            case marks.Ellipses():
                 self._ellipses(mark)
-            case Text():
+            case marks.Text():
                 self._text(mark)
-            case Picture():
+            case marks.Picture():
                 x, y = self.x(np.array([mark.left, mark.right])), self.y(np.array([mark.top, mark.bottom]))
                 source = f'preserveAspectRatio="none" href="data:image/png;base64,{mark.png}"'
                 self._add(_rectangle(x, y, source, tag="image"), clipped=True)
             case _:
                 assert_never(mark)
 
-    def _bars(self, mark: Points, axis: str) -> str:
+    def _bars(self, mark: marks.Points, axis: str) -> str:
         """Return the path of the bars along an axis, each with a line at its ends."""
-        data, other = data_of(mark), {"x": "y", "y": "x"}[axis]
+        data, other = marks.data_of(mark), {"x": "y", "y": "x"}[axis]
         if f"{axis}_std" not in data:
             return ""
         scale, at, std = getattr(self, axis), data[axis], data[f"{axis}_std"]
@@ -244,7 +228,7 @@ class _Drawing:
     def _in_frame(self, x: Any) -> Any:
         return self.left + x * (self.right - self.left)
 
-    def _ellipses(self, mark: Ellipses) -> None:
+    def _ellipses(self, mark: marks.Ellipses) -> None:
         x = self._in_frame(mark.x) if mark.beside else self.x(mark.x)
         shapes = np.stack([mark.widths / 2, mark.heights / 2, x, self.y(mark.y), -mark.angles_deg], axis=-1)
         drawn = "".join(
@@ -253,7 +237,7 @@ class _Drawing:
         )
         self._add(f'<g fill="{mark.face}" stroke="{mark.colour}" stroke-width=".9">{drawn}</g>')
 
-    def _text(self, mark: Text) -> None:
+    def _text(self, mark: marks.Text) -> None:
         x = self._in_frame(mark.x) if mark.frame else float(self.x(mark.x))
         y = self.bottom - mark.y * (self.bottom - self.top) if mark.frame == "xy" else float(self.y(mark.y))
         look = {name: getattr(mark, name) for name in ("horizontal", "vertical", "colour", "tag", "halo")}
@@ -261,7 +245,7 @@ class _Drawing:
 
     def _legend(self) -> None:
         """Draw the legend, marks of one name by one sample."""
-        samples: dict[str, list[AnyMark]] = {}
+        samples: dict[str, list[marks.AnyMark]] = {}
         for mark in self.panel.marks:
             if mark.label and not mark.label.startswith("_"):
                 samples.setdefault(mark.label, []).append(mark)
@@ -269,7 +253,7 @@ class _Drawing:
             return
         size = self.factor * style.LEGEND_PT
         handle, row = 1.8 * size, 1.45 * size
-        rows = math.ceil(len(samples) / legend_columns(self.panel, len(samples)))
+        rows = math.ceil(len(samples) / self.panel.legend_columns(len(samples)))
         names, step = list(samples), handle + 0.8 * size
         parts = [names[k : k + rows] for k in range(0, len(names), rows)]
         widths = [max(line_width(name, size) for name in part) for part in parts]
@@ -287,32 +271,27 @@ class _Drawing:
             left += step + width + 1.4 * size
 
 
-def legend_columns(panel: Panel, count: int) -> int:
-    """Return the number of columns of a legend of so many names."""
-    return panel.columns or (2 if panel.legend == "above" and count > 3 else 1)
-
-
-def _sample(mark: AnyMark, x: float, y: float, width: float) -> str:
+def _sample(mark: marks.AnyMark, x: float, y: float, width: float) -> str:
     """Return what a legend shows of a mark."""
     match mark:
-        case Points():
+        case marks.Points():
             return _spots([x + width / 2], [y], mark)
-        case Line() | Rule(to=None):
+        case marks.Line() | marks.Rule(to=None):
             return f'<path d="M{x:.2f} {y:.2f}h{width:.2f}" {_stroke(mark, mark.width, mark.dash)}/>'
         case _:
             return _rectangle((x, x + width), (y - 2.4, y + 2.4), _fill(mark))
 
 
-def _stroke(mark: Mark, width: float, dash: str = "-") -> str:
+def _stroke(mark: marks.Mark, width: float, dash: str = "-") -> str:
     """Return the attributes of a line."""
-    face = mark.face if isinstance(mark, Line) and mark.face else "none"
+    face = mark.face if isinstance(mark, marks.Line) and mark.face else "none"
     look = f'fill="{face}" stroke="{mark.colour}" stroke-width="{width:g}"'
     if dash in _DASHES:
         look += f' stroke-dasharray="{" ".join(f"{part * width:.2g}" for part in _DASHES[dash])}"'
-    return look if mark.alpha == 1 else f'{look} stroke-opacity="{mark.alpha:g}"'
+    return look + _unless_opaque(mark, "stroke-opacity")
 
 
-def _fill(mark: Mark) -> str:
+def _fill(mark: marks.Mark) -> str:
     """Return the attributes of an area."""
     return f'fill="{mark.colour}" fill-opacity="{mark.alpha:g}"'
 
@@ -334,7 +313,7 @@ def _polyline(x: FloatArray, y: FloatArray) -> str:
     return "".join(parts)
 
 
-def _spots(x: ArrayLike, y: ArrayLike, mark: Points) -> str:
+def _spots(x: ArrayLike, y: ArrayLike, mark: marks.Points) -> str:
     """Return the markers of points."""
     if not mark.marker:
         return ""
@@ -347,9 +326,9 @@ def _spots(x: ArrayLike, y: ArrayLike, mark: Points) -> str:
     places = np.column_stack([x, y]).tolist()
     spots = "".join(f"M{a:.2f} {b:.2f}{shape}" for a, b in places if math.isfinite(a + b))
     look = f'fill="{mark.face or mark.colour}" stroke="{mark.edge or mark.colour}"'
-    look += f' stroke-width="{mark.edge_width:g}"'
-    return (
-        f'<path d="{spots}" {look}/>'
-        if mark.alpha == 1
-        else f'<path d="{spots}" {look} opacity="{mark.alpha:g}"/>'
-    )
+    look += f' stroke-width="{mark.edge_width:g}"' + _unless_opaque(mark, "opacity")
+    return f'<path d="{spots}" {look}/>'
+
+
+def _unless_opaque(mark: marks.Mark, name: str) -> str:
+    return "" if mark.alpha == 1 else f' {name}="{mark.alpha:g}"'
