@@ -1,4 +1,7 @@
-"""The results of a finished run, read back: as a table, as one pad, as a file for another program."""
+"""The results of a finished run, read back: as a table, as one pad, as a file for another program.
+
+What a table does not need is imported when something else is asked for: it would take a third of the memory.
+"""
 
 import csv
 import html
@@ -10,23 +13,21 @@ from dataclasses import dataclass
 from itertools import islice
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, TextIO
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import numpy as np
 import pandas as pd
-from scipy import io
 
 from fingerpad._csv import unescape_formula
-from fingerpad.contact import Tissue, youngs_modulus
 from fingerpad.exceptions import FingerpadError
-from fingerpad.geometry import Placement
-from fingerpad.image import SEMI_AXES
-from fingerpad.study.measuring.fingers import pad_placement
-from fingerpad.study.results.output import answers
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType, table_of
 from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad.contact import Tissue
+    from fingerpad.geometry import Placement
 
 # Of the sentences, one for each finger and wedge, where no notebook shows all.
 _MOST_SHOWN: Final = 12
@@ -78,6 +79,8 @@ class Results:
         return f"Results of {self.title!r}: {rows} rows, {columns} columns"
 
     def _sentences(self) -> list[str]:
+        from fingerpad.study.results.output import answers
+
         return [one.sentence for one in answers(self.summary.summaries, self.summary.by_load)]
 
 
@@ -175,8 +178,8 @@ _CLOSE: Final = 1e-6  # degrees
 class MeasuredPad:
     """A pad at its placement, its tissue, standard uncertainties by name, and where all that is from."""
 
-    placement: Placement
-    tissue: Tissue
+    placement: "Placement"
+    tissue: "Tissue"
     stds: dict[str, float]
     source: str
 
@@ -190,6 +193,10 @@ def measured_pad(
     poisson_ratio: float = 0.5,
 ) -> MeasuredPad:
     """Return a finger at one angle, with E of a loading curve, or of the area at the highest load."""
+    from fingerpad.contact import Tissue
+    from fingerpad.image import SEMI_AXES
+    from fingerpad.study.measuring.fingers import pad_placement
+
     require_result_set(folder)
     summary = SummaryFile.read(folder)
     found = _placed(summary, folder, finger, wedge_deg)
@@ -247,9 +254,15 @@ def _placed(summary: SummaryFile, folder: Path, finger: str | None, wedge_deg: f
 
 
 def _of_contacts(
-    summary: SummaryFile, found: PlacementRecord, placement: Placement, thickness: float, poisson_ratio: float
+    summary: SummaryFile,
+    found: PlacementRecord,
+    placement: "Placement",
+    thickness: float,
+    poisson_ratio: float,
 ) -> tuple[float, float, float]:
     """Return E, kPa, its standard uncertainty, and the load of the contacts that give it."""
+    from fingerpad.contact import youngs_modulus
+
     seen = [one for one in summary.by_load if one.key == found.key and not math.isnan(one.contact_area_mm2)]
     for one in sorted(seen, key=lambda one: -one.load_N):
         modulus = KPA_PER_MPA * float(
@@ -327,6 +340,8 @@ def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
 
 def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
     """Write structs `results`, `units`, `meanings` and `study`, with one field for each column."""
+    from scipy import io
+
     table = read_rows(folder)
     content = {
         "results": {name: _matlab_column(COLUMNS[name], table[name]) for name in table},

@@ -19,13 +19,18 @@ from fingerpad.study.measuring.contacts import Measurement, excluding_flags, is_
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns, unit_of
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
-from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
+from fingerpad.study.results.table import (
+    COLUMNS,
+    PLACEMENT,
+    ColumnArray,
+    GrowingArray,
+    Indices,
+    PlacementKey,
+    Row,
+    table_of,
+)
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.uncertainty.repeats import ContactRepeatability
-
-# What the rows of one summary have in common.
-PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
-PlacementKey: TypeAlias = tuple[Any, ...]
 
 # Share of the pad's half-width from which a contact is as wide as the finger.
 _AS_WIDE: Final = 0.9

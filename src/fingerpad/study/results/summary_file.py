@@ -20,7 +20,7 @@ from fingerpad._csv import package_table
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
-from fingerpad.study.results.rows import PlacementKey
+from fingerpad.study.results.table import PlacementKey
 
 
 def _nan(value: object) -> object:
