@@ -8,7 +8,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from benchmarks import ROOT
 from benchmarks.arrays import Array
 from benchmarks.claims.fast_laws import SERIES, Circles, silhouette_radius
-from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
+from benchmarks.claims.tissue_thickness import READINGS, WEDGES, placed
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
 from fingerpad.contact import Tissue, fast_contact, hertz_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
@@ -32,9 +32,8 @@ def layer() -> None:
     for nu, colour in _COLOURS.items():
         exact, points = Circles(_LINES, nu), Circles(_SOLVED, nu)
         at_load, at_depth = points.solved("load"), points.solved("indentation")
-        for axes, line in zip(
-            above, (exact.area_ratio, exact.load_at_depth, exact.load_at_area), strict=True
-        ):
+        lines = exact.area_ratio, exact.load_at_depth, exact.load_at_area
+        for axes, line in zip(above, lines, strict=True):
             axes.plot(_LINES, line, color=colour, label=f"exact, ν = {nu:g}")
         fast, by_depth = exact.pressed(fast_contact, "load"), exact.pressed(fast_contact, "indentation")
         hertz = exact.pressed(hertz_contact, "load")
@@ -49,25 +48,30 @@ def layer() -> None:
             axes.plot(_LINES, np.abs(theirs - 1), color=colour, ls=(0, (4, 2)))
             axes.plot(_LINES, np.abs(law - 1), color=colour)
             axes.plot(_SOLVED, np.abs(ours - 1), color=colour, ls="", marker="o", ms=3.5)
-    _series(above[1], below[2])
+    exact = Circles(_LINES, 0.5)
+    for name, dashes in zip(SERIES, ((0, (1, 1.5)), (0, (3, 1.5, 1, 1.5))), strict=True):
+        found = exact.series(name)
+        above[1].plot(_LINES, found, color=BLACK, lw=0.9, ls=dashes, label=name)
+        below[2].plot(_LINES, np.abs(found / exact.load_at_depth - 1), color=BLACK, lw=0.9, ls=dashes)
     for limit, nu in ((4, 0.5), (2, 0.3)):
         above[0].axhline(limit, color=_COLOURS[nu], lw=0.8, ls=(0, (1, 1.5)))
         above[0].text(0.033, limit - 0.04, f"thin layer, ν {'=' if nu == 0.5 else '<'} 0.5", va="top")
-    for axes, title in zip(
-        above, ("A/(πRξ)", "W/W$_{Hertz}$ at the same ξ", "W/W$_{Hertz}$ at the same A"), strict=True
-    ):
-        axes.axhline(1, color=GREY, lw=0.8, ls=(0, (4, 2)))
+    ratios = "A/(πRξ)", "W/W$_{Hertz}$ at the same ξ", "W/W$_{Hertz}$ at the same A"
+    errors = "A at given W", "ξ at given W", "W at given ξ"
+    for axes, title in zip(panels, ratios + errors, strict=True):
         axes.set(xscale="log", xlim=(0.03, 3), title=title)
-        _plain_ticks(axes)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_locator(NullLocator())
+    for axes in above:
+        axes.axhline(1, color=GREY, lw=0.8, ls=(0, (4, 2)))
     above[0].set(ylim=(0.9, 4.2))
+    ticks = [1, 2, 5, 10, 20]
     for axes in above[1:]:
-        axes.set(
-            yscale="log", yticks=[1, 2, 5, 10, 20], ylim=(0.9, 20), yticklabels=["1", "2", "5", "10", "20"]
-        )
-    for axes, title in zip(below, ("A at given W", "ξ at given W", "W at given ξ"), strict=True):
+        axes.set(yscale="log", yticks=ticks, ylim=(0.9, 20), yticklabels=map(str, ticks))
+    for axes in below:
         _error_axes(axes)
-        axes.set(xscale="log", xlim=(0.03, 3), xlabel="contact radius over thickness, a/t", title=title)
-        _plain_ticks(axes)
+        axes.set_xlabel("contact radius over thickness, a/t")
     above[1].legend(loc="upper left")
     below[0].set_ylabel("relative error")
     below[0].plot([], [], color=BLACK, ls=(0, (4, 2)), label="Hertz theory")
@@ -75,20 +79,6 @@ def layer() -> None:
     below[0].plot([], [], color=BLACK, ls="", marker="o", ms=3.5, label="solver, 256² cells")
     below[0].legend(loc="lower left")
     _save(figure, "validation_layer.png")
-
-
-def _plain_ticks(axes: Axes) -> None:
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_locator(NullLocator())
-
-
-def _series(values: Axes, errors: Axes) -> None:
-    exact = Circles(_LINES, 0.5)
-    for name, dashes in zip(SERIES, ((0, (1, 1.5)), (0, (3, 1.5, 1, 1.5))), strict=True):
-        found = exact.series(name)
-        values.plot(_LINES, found, color=BLACK, lw=0.9, ls=dashes, label=name)
-        errors.plot(_LINES, np.abs(found / exact.load_at_depth - 1), color=BLACK, lw=0.9, ls=dashes)
 
 
 @in_style()
@@ -101,9 +91,8 @@ def pads() -> None:
         placement, tissue = kept_contacts(data, is_pad=True)
         values = {"load": data[:, -5], "area": data[:, -4] / AREA_BIAS, "indentation": data[:, -3]}
         on_layer = not tissue.is_deep
-        size = np.sqrt(values["area"] / np.pi) / (
-            tissue.thickness if on_layer else silhouette_radius(kept_pads(data))
-        )
+        largest = tissue.thickness if on_layer else silhouette_radius(kept_pads(data))
+        size = np.sqrt(values["area"] / np.pi) / largest
         for axes, (given, wanted) in zip(row, _GIVEN_WANTED, strict=True):
             fast = fast_contact(placement, tissue, **{given: values[given]})
             hertz = hertz_contact(placement, tissue, **{given: values[given]})
@@ -147,11 +136,11 @@ def radius_against_thickness() -> None:
         axes.text(3.15, measured - 0.15, f"measured $R_g$, {angle}°", color=colour, va="top")
         for method, dashes in (("ellipse", "-"), ("direct", (0, (4, 2)))):
             place, area = placed(method, wedge), np.array(wedge.area_mm2.value)
-            ratio = area_over_pi_indentation(place, Tissue(1.0, thickness=depths), area)
+            ratio = READINGS["ratio"](place, Tissue(1.0, thickness=depths), area)
             axes.plot(depths, ratio, color=colour, ls=dashes)
             if method == "ellipse":
                 axes.text(14, ratio[-40] + 0.5, f"θ = {angle}°", color=colour, weight="bold", ha="center")
-            deep = area_over_pi_indentation(place, Tissue(1.0), area)
+            deep = READINGS["ratio"](place, Tissue(1.0), area)
             axes.plot([16.6, 17.6], [deep, deep], color=colour, ls=dashes, clip_on=False)
     axes.plot([], [], color=BLACK, label="semi-axes by fitted ellipses")
     axes.plot([], [], color=BLACK, ls=(0, (4, 2)), label="semi-axes measured directly")

@@ -7,6 +7,7 @@ import numpy as np
 
 from benchmarks.arrays import Array
 from fingerpad._arrays import ArrayLike
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Finger, Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
@@ -14,6 +15,9 @@ from fingerpad.study.measuring.fingers import FingerResult
 # What a study has of one contact.
 Seen: TypeAlias = tuple[Observation, Measurement]
 NAMES = "palmar", "distal", "radial_ulnar"
+# The pad of Table 1 of Dzidek et al. (2017), and its place on a wedge of 30 degrees.
+TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PLACED = Placement(TABLE_1, wedge_angle=np.radians(30))
 # What a semi-axis that is given exactly states, mm.
 EXACT = 1e-9
 
@@ -22,19 +26,13 @@ def study_of(
     fingers: Mapping[str, str | None], axes: Array, std: float = EXACT, **uncertainty: float
 ) -> Study:
     """Return a study of fingers, each with its person, of one pad; angles are exact unless they are given."""
-    exact = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
-    given = {
-        "semi_axes_mm": dict(zip(NAMES, axes.tolist(), strict=True)),
-        "semi_axes_mm_std": dict.fromkeys(NAMES, std),
-    }
-    manifest = {
-        "title": "simulated",
-        "fingers": [
-            {"name": name, **given} | ({"person": who} if who else {}) for name, who in fingers.items()
-        ],
-        "uncertainty": exact | uncertainty,
-    }
-    return Study.model_validate(manifest)
+    known = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0} | uncertainty
+    lengths, stds = dict(zip(NAMES, axes.tolist(), strict=True)), dict.fromkeys(NAMES, std)
+    given = [
+        {"name": name, "person": who, "semi_axes_mm": lengths, "semi_axes_mm_std": stds}
+        for name, who in fingers.items()
+    ]
+    return Study.model_validate({"title": "simulated", "fingers": given, "uncertainty": known})
 
 
 def finger(name: str, axes: Array, std: float = EXACT, **more: Any) -> FingerResult:
@@ -61,16 +59,14 @@ def contact(
     What the scale leaves open is added to the covariance.
     """
     sizes = np.sort(np.asarray(axes, dtype=float))[::-1]
-    observation = Observation(
-        name=name,
-        finger=finger,
-        wedge_angle_deg=wedge_deg,
-        load_N=load,
-        session=session,
-        file="x.png",
-        scale="s",
-    )
-    return observation, Measurement(
+    image: dict[str, Any] = {
+        "name": name,
+        "file": "x.png",
+        "scale": "s",
+        "finger": finger,
+        "session": session,
+    }
+    return Observation(wedge_angle_deg=wedge_deg, load_N=load, **image), Measurement(
         observation=name,
         load_N=load if measured_load is None else measured_load,
         semi_major_mm=float(sizes[0]),

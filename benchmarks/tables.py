@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
-from typing import TypeAlias
+from typing import ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,8 @@ import pandas as pd
 
 from fingerpad.exceptions import FingerpadError
 
+P = ParamSpec("P")
+T = TypeVar("T")
 # Relative error, relative standard uncertainty, and whether a flag says that the value is in doubt.
 Row: TypeAlias = tuple[float, float, bool]
 
@@ -23,17 +25,20 @@ def rows_of(
     return [(error, std, bool(flagged)) for error, std in zip(errors, stds, strict=True)]
 
 
+def or_none(measure: Callable[P, T], *args: P.args, **known: P.kwargs) -> T | None:
+    """Return what is measured, None where that is refused."""
+    try:
+        return measure(*args, **known)
+    except FingerpadError:
+        return None
+
+
 def not_refused(
     measure: Callable[[int], Mapping[str, object]], seeds: Iterable[int]
 ) -> tuple[pd.DataFrame, int]:
     """Return what is measured with each seed, and how many are refused."""
-    found, refused = [], 0
-    for seed in seeds:
-        try:
-            found.append(measure(seed))
-        except FingerpadError:
-            refused += 1
-    return pd.DataFrame(found), refused
+    found = [or_none(measure, seed) for seed in seeds]
+    return pd.DataFrame([one for one in found if one is not None]), found.count(None)
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str = "") -> None:

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.tables import percent, table
+from benchmarks.tables import or_none, percent, table
 from benchmarks.truth.adhesion import KINDS, POISSON, Record, records
-from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LoadingCurve, fit_adhesion
 
 
@@ -20,11 +19,8 @@ def judged(record: Record) -> dict[str, float]:
     """Return whether the intervals of one record hold the truth, its flags, and E of Hertz over E."""
     curve = LoadingCurve(time=record.time, load=record.force, indentation=record.displacement)
     known: dict[str, Any] = {"stage_compliance": record.compliance} if record.is_stage else {}
-    try:
-        fit = fit_adhesion(curve, poisson_ratio=POISSON, loading_radius=record.radius, **known)
-    except FingerpadError:
-        return {"refused": 1.0}
-    if not all(found.known for found in fit.parameters.values()):
+    fit = or_none(fit_adhesion, curve, poisson_ratio=POISSON, loading_radius=record.radius, **known)
+    if fit is None or not all(found.known for found in fit.parameters.values()):
         return {"refused": 1.0}
     modulus, work = fit.parameters["youngs_modulus"], fit.parameters["work_of_adhesion"]
     found_true = {
@@ -59,7 +55,16 @@ def report(count: int = 20, seed: int = 23) -> None:
         off = " to ".join(percent(one, "+") for one in (fitted["E off"].min(), fitted["E off"].max()))
         return KINDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
 
-    held = "E held", "w held", "x₀ held", "flagged", "silent"
-    table(
-        ("records", "refused", *held, "errors of E", "± E", "± w", "E of Hertz theory / E"), map(cells, KINDS)
+    head = (
+        "records",
+        "refused",
+        "E held",
+        "w held",
+        "x₀ held",
+        "flagged",
+        "silent",
+        "errors of E",
+        "± E",
+        "± w",
     )
+    table((*head, "E of Hertz theory / E"), map(cells, KINDS))

@@ -1,6 +1,7 @@
 """Photographs of three-dimensional fingertips of known curvature, from three sides."""
 
 import math
+from collections import defaultdict
 from typing import Final
 
 import numpy as np
@@ -8,9 +9,8 @@ import numpy as np
 from benchmarks.arrays import Array
 from benchmarks.claims import fingertips
 from benchmarks.claims.fingertips import SIDES
-from benchmarks.tables import Row, errors_table, rows_of
+from benchmarks.tables import Row, errors_table, or_none, rows_of
 from benchmarks.truth.anatomic_fingers import FACES, WEDGES_DEG, AnatomicFinger, fingers
-from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Face, PhotographFit, combine_faces
 from fingerpad.image.photograph.faces import SEMI_AXES
 from fingerpad.study.measuring.fingers import ELLIPSOID_STD, radius_deviation
@@ -43,39 +43,33 @@ def joint_radii(found: dict[Face, PhotographFit]) -> Array:
         whole = outputs["mean_curvature_radius"]
         mean = 2 / (1 / radius + 1 / across.value)
         more = math.hypot(share * std, (1 - share) * ELLIPSOID_STD)
-        rows.append(
-            [
-                (radius, radius * math.hypot(std, along.std / along.value)),
-                (mean, mean * math.hypot(more, whole.std / whole.value)),
-            ]
-        )
+        stds = math.hypot(std, along.std / along.value), math.hypot(more, whole.std / whole.value)
+        rows.append([(radius, radius * stds[0]), (mean, mean * stds[1])])
     return np.array(rows, dtype=np.float64)
 
 
 def report(count: int = 4, seed: int = 75) -> None:
     """Print errors, stated uncertainties and coverage of semi-axes and radii."""
-    tables: dict[str, dict[str, list[Row]]] = {}
+    tables: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
     refused = 0
     for truth in fingers(count, seed):
         found = measure(truth)
         refused += len(FACES) - len(found)
         for face, fit in found.items():
-            rows = tables.setdefault("Semi-axes", {}).setdefault(truth.name, [])
-            rows += rows_of(fit.semi_axes, truth.semi_axes[face], fit.covariance, fit.flags)
+            tables["Semi-axes"][truth.name] += rows_of(
+                fit.semi_axes, truth.semi_axes[face], fit.covariance, fit.flags
+            )
         if "radial" in found:
-            seen = [found["radial"].outline_radius(math.radians(wedge)) for wedge in WEDGES_DEG]
-            outline = tables.setdefault("Radius along the finger, by the outline alone", {})
-            rows = outline.setdefault(truth.name, [])
-            for (value, one), true in zip(seen, truth.radii[:, 0], strict=True):
+            rows = tables["Radius along the finger, by the outline alone"][truth.name]
+            for wedge, true in zip(WEDGES_DEG, truth.radii[:, 0], strict=True):
+                value, one = found["radial"].outline_radius(math.radians(wedge))
                 if math.isfinite(value):
                     rows.append((value / true - 1, one / value, False))
-        try:
-            radii = joint_radii(found)
-        except FingerpadError:
+        if (radii := or_none(joint_radii, found)) is None:
             continue
         flagged = any(fit.flags for fit in found.values())
         for place, title in enumerate(TITLES):
-            rows = tables.setdefault(title, {}).setdefault(truth.name, [])
+            rows = tables[title][truth.name]
             for (value, one), true in zip(radii[:, place], truth.radii[:, 2 * place], strict=True):
                 rows.append((value / true - 1, one / value, flagged))
     for title, of_kind in tables.items():

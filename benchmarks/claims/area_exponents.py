@@ -7,6 +7,7 @@ state it, or a quarter of it.
 import math
 from collections.abc import Callable, Iterator
 from functools import cache, partial
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -59,9 +60,8 @@ def held(kind: str, presses: int, repeats: int, stated: float = ERROR) -> tuple[
     found = []
     for seed in range(repeats):
         rng = np.random.default_rng(seed)
-        area = EXPONENT * load + np.concatenate(
-            [rng.normal(0, 0.05) + ERROR * ERRORS[kind](rng) for _ in range(presses)]
-        )
+        errors = [rng.normal(0, 0.05) + ERROR * ERRORS[kind](rng) for _ in range(presses)]
+        area = EXPONENT * load + np.concatenate(errors)
         slope = PressSlope.of(load, area, np.full(load.size, stated), item)
         assert slope is not None  # frames enough
         naive = stated * np.linalg.norm(slope.weights)
@@ -75,14 +75,10 @@ def report(repeats: int = 200) -> None:
 
     def cells(kind: str) -> Iterator[str]:
         yield kind
-        for stated in (ERROR, ERROR / 4):
-            for presses in (1, 3):
-                ours, naively = held(kind, presses, repeats, stated)
-                yield f"{share(ours)} ({share(naively)})"
+        for stated, presses in product((ERROR, ERROR / 4), (1, 3)):
+            ours, naively = held(kind, presses, repeats, stated)
+            yield f"{share(ours)} ({share(naively)})"
 
-    columns = [f"{what}, {of}" for what in ("stated", "a quarter stated") for of in ("one press", "three")]
-    table(
-        ("errors of 2 %", *columns),
-        map(list, map(cells, ERRORS)),
-        f"{repeats} simulations each: held (with frames taken as independent)",
-    )
+    columns = map(", ".join, product(("stated", "a quarter stated"), ("one press", "three")))
+    title = f"{repeats} simulations each: held (with frames taken as independent)"
+    table(("errors of 2 %", *columns), map(list, map(cells, ERRORS)), title)

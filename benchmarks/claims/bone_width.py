@@ -21,14 +21,14 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from benchmarks.arrays import Array
+from benchmarks.simulated import TABLE_1
 from benchmarks.tables import table
-from fingerpad import Ellipsoid, Placement
+from fingerpad import Placement
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.contact.grid import contact_outline
 from fingerpad.contact.influence import influence as uniform_influence
 from fingerpad.geometry import Gap
 
-TABLE_1: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 # Printed contact area (mm²) by wedge angle (degrees).
 PRINTED: Final = {30: 116.3, 45: 69.4}
 POISSON: Final = 0.49
@@ -49,12 +49,9 @@ class Bone:
 
     def top(self, x: Array) -> Array:
         """Return the depth of the plane of the mesh that has its top, x across the finger."""
-        flat = np.full_like(x, self.depth)
-        if not self.round_top:
-            return flat
-        r = self.half_width
+        r = self.half_width if self.round_top else 0.0
         above = r - np.sqrt(np.maximum(r**2 - x**2, 0.0))
-        return flat + np.where(x <= r, above, r * np.clip(1 - (x - r) / _BESIDE, 0, 1))
+        return self.depth + np.where(x <= r, above, r * np.clip(1 - (x - r) / _BESIDE, 0, 1))
 
 
 BONES: Final = {
@@ -142,9 +139,8 @@ def influence(bone: Bone, side: float) -> Array:
     n = 2 * round(_REACH / side)
     coarse = (np.arange(n) + 0.5) * side / 2
     even = CubicSpline(np.append(-coarse[::-1], coarse), np.vstack([np.eye(n)[::-1], np.eye(n)]))(_GRID)
-    finer = np.einsum(
-        "ai,bj,ijkl,ck,dl->abcd", even, even, change.reshape(4 * (n,)), even, even, optimize=True
-    )
+    change = change.reshape(4 * (n,))
+    finer = np.einsum("ai,bj,ijkl,ck,dl->abcd", even, even, change, even, even, optimize=True)
     return (exact + finer * cell**2).reshape(_CELLS**2, _CELLS**2)
 
 
@@ -217,8 +213,6 @@ def _as_layer(found: Contact, wedge: float, area: float) -> tuple[float, ...]:
 def report(side: float = 1.5) -> None:
     """Print which layer a narrow bone acts like, and what it makes of the contact's shape."""
     head = "bone", "A/(πξ), mm", "t of the layer that acts so, mm", "modulus read over true"
-    table(
-        (*head, "along over across"),
-        ((name, *_cells(bone, side)) for name, bone in BONES.items()),
-        f"At wedge angles of {' and '.join(map(str, PRINTED))}°; elements of {side:g} mm",
-    )
+    rows = ((name, *_cells(bone, side)) for name, bone in BONES.items())
+    title = f"At wedge angles of {' and '.join(map(str, PRINTED))}°; elements of {side:g} mm"
+    table((*head, "along over across"), rows, title)

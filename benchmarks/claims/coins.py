@@ -4,9 +4,8 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.tables import percent, share, table
+from benchmarks.tables import or_none, percent, share, table
 from benchmarks.truth.coins import KINDS, NOT_ONE_COIN, scene
-from fingerpad.exceptions import CalibrationError
 from fingerpad.image import measure_coin
 
 COLUMNS = (
@@ -29,9 +28,7 @@ def report(count: int = 22, first_seed: int = 1000) -> None:
 def _error(kind: str, seed: int) -> tuple[float, float, bool]:
     """Return the relative error, the error over the standard uncertainty, and if it is flagged."""
     photograph = scene(kind, seed)
-    try:
-        coin = measure_coin(photograph.pixels)
-    except CalibrationError:
+    if (coin := or_none(measure_coin, photograph.pixels)) is None:
         return np.nan, np.nan, False
     error = coin.semi_major - photograph.semi_major
     return error / photograph.semi_major, error / coin.semi_major_std, bool(coin.flags)

@@ -7,10 +7,9 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.tables import off, share, stated, table
+from benchmarks.tables import off, or_none, share, stated, table
 from benchmarks.truth import image_sets
 from benchmarks.truth.true_image import TrueImage
-from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
 
@@ -61,11 +60,8 @@ class Compared(NamedTuple):
 
 def compare(image: TrueImage) -> Compared:
     """Measure an image as a user would: pixels and scale, nothing else."""
-    try:
-        found = measure_contact_image(image.pixels, image.mm_per_px)
-    except ImageError:
-        return Compared(np.full(4, np.nan), np.full(4, np.nan), ("refused",))
-    return compared(image, found)
+    found, none = or_none(measure_contact_image, image.pixels, image.mm_per_px), np.full(4, np.nan)
+    return compared(image, found) if found else Compared(none, none, ("refused",))
 
 
 def compared(image: TrueImage, found: ContactImageResult) -> Compared:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,8 @@ ELLIPSE = np.array([7.4, 5.0])
 WEDGE_DEG = 30.0
 AXES = np.array([7.9, 13.8, 11.8])
 STUDY, EXACT = study_of({"f": None}, AXES), finger("f", AXES)
+_MEAN = Placement(Ellipsoid(*AXES), wedge_angle=np.radians(WEDGE_DEG)).curvature.mean_curvature_radius
+TRUE_RADIUS = float(equivalent_radius_from_indentation(_MEAN, ELLIPSE[1] / ELLIPSE[0]))
 
 
 class Measured(NamedTuple):
@@ -64,25 +66,17 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
     (summary,) = pool_contacts(rows)
     assert summary.corrected_radius is not None  # nothing fails
     pooled = summary.corrected_radius
-    return (pooled.value - _true_radius()) / pooled.std
+    return (pooled.value - TRUE_RADIUS) / pooled.std
 
 
 def _contact(one: Measured, number: int, shared: bool) -> Seen:
     found, truth = one.found.ellipse, one.truth
     errors = np.array([float(found.semi_major), float(found.semi_minor)]) - truth.semi_axes
-    return contact(
-        f"c{number}",
-        1.0,
-        ELLIPSE + errors,
-        one.found.covariance[:2, :2],
-        wedge_deg=WEDGE_DEG,
-        edge_offset_mm_std=one.found.edge_offset_std if shared else 0.0,
-    )
-
-
-def _true_radius() -> float:
-    curvature = Placement(Ellipsoid(*AXES), wedge_angle=np.radians(WEDGE_DEG)).curvature
-    return float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, ELLIPSE[1] / ELLIPSE[0]))
+    known: dict[str, Any] = {
+        "wedge_deg": WEDGE_DEG,
+        "edge_offset_mm_std": one.found.edge_offset_std if shared else 0.0,
+    }
+    return contact(f"c{number}", 1.0, ELLIPSE + errors, one.found.covariance[:2, :2], **known)
 
 
 def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> Array:

@@ -5,7 +5,7 @@ Tamaas is a dependency of the tests; ContactMechanics is timed where it is insta
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -16,9 +16,10 @@ import tamaas
 
 from benchmarks.arrays import Array
 from benchmarks.cost import best
+from benchmarks.simulated import TABLE_1
 from benchmarks.tables import table
 from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
-from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
+from fingerpad.geometry import Paraboloid, Placement
 
 _RADIUS, _MODULUS = 10.0, 0.1
 _HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
@@ -46,27 +47,23 @@ def exact_solutions() -> None:
         load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
         known: dict[str, Any] = {"half_widths": (radius, radius), "indentation": radius / 2 * log}
         exact = {"area": math.pi * radius**2, "load": load}
-        cases[f"sphere, a/R = {radius / _RADIUS:g}"] = (
-            partial(solve_gap, _sphere, _HALF_SPACE, **known),
-            exact,
-        )
+        solve = partial(solve_gap, _sphere, _HALF_SPACE, **known)
+        cases[f"sphere, a/R = {radius / _RADIUS:g}"] = solve, exact
 
-    def cells(name: str, points: int) -> Iterator[str]:
+    def cells(name: str, points: int) -> tuple[str, ...]:
         solve, exact = cases[name]
         found = solve(points=points)
-        yield from (name, f"{points}²")
-        yield from (f"{float(getattr(found, of)) / true - 1:.1e}" for of, true in exact.items())
-        yield from (*(3 - len(exact)) * ("–",), f"{found.relative_error:.1e}")
+        errors = (f"{float(getattr(found, of)) / true - 1:.1e}" for of, true in exact.items())
+        return name, f"{points}²", *errors, *(3 - len(exact)) * ("–",), f"{found.relative_error:.1e}"
 
-    rows = (list(cells(name, points)) for name in cases for points in _GRIDS)
+    rows = (cells(name, points) for name in cases for points in _GRIDS)
     columns = "contact", "cells", "area", "W or ξ", "peak pressure", "estimate of the area's error"
     table(columns, rows, "Relative errors of the solver, against exact solutions")
 
 
 def speed() -> None:
     """Print the time of the solver and of others on the half-space, and of the solver on a layer."""
-    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    placement, layer = Placement(pad, wedge_angle=0.5, roll_angle=0.2), Tissue(0.09, thickness=8.0)
+    placement, layer = Placement(TABLE_1, wedge_angle=0.5, roll_angle=0.2), Tissue(0.09, thickness=8.0)
     hertz = hertz_contact(_BALL, _HALF_SPACE, load=0.5)
     radius, exact = float(hertz.semi_major), (float(hertz.area), float(hertz.indentation))
     runs: dict[str, list[tuple[float, float, float]]] = {}
@@ -75,19 +72,17 @@ def speed() -> None:
         solve = partial(solve_contact, placement, layer, load=2.0, points=points)
         search = ContactField.of_solution(solve()).highest_shear_on_axis
         own.append((f"{points}²", f"{best(solve, 3):.2f} s", f"{best(search, 3):.2f} s"))
-        for name, solved in _solvers().items():
+        for name, solved in SOLVERS.items():
             area, indentation = solved(points, radius, 0.5)
             errors = abs(area / exact[0] - 1), abs(indentation / exact[1] - 1)
             spent = best(partial(solved, points, radius, 0.5), 3)
             runs.setdefault(name, []).append((spent, *errors))
-    table(
-        ("solver of a sphere's contact", *(f"{points}² cells" for points in _GRIDS), "to 0.5 %, to 0.1 %"),
-        (
-            (name, *(f"{t:.2f} s ({a:.1e}, {x:.0e})" for t, a, x in found), _reached(found))
-            for name, found in runs.items()
-        ),
-        "Seconds of one processor (relative error of area, of indentation)",
+    columns = "solver of a sphere's contact", *(f"{points}² cells" for points in _GRIDS), "to 0.5 %, to 0.1 %"
+    rows = (
+        (name, *(f"{t:.2f} s ({a:.1e}, {x:.0e})" for t, a, x in found), _reached(found))
+        for name, found in runs.items()
     )
+    table(columns, rows, "Seconds of one processor (relative error of area, of indentation)")
     title = "Seconds for the whole pad on a layer, and for its highest shear"
     table(("cells", "whole pad on a layer", "its highest shear"), own, title)
     third = version("ContactMechanics") if _THIRD else "not installed (pip install ContactMechanics)"
@@ -102,11 +97,6 @@ def _reached(found: list[tuple[float, float, float]]) -> str:
 
 # Solvers of a sphere's contact under a load on a grid of so many cells a side: area and indentation.
 Solver: TypeAlias = Callable[[int, float, float], tuple[float, float]]
-
-
-def _solvers() -> dict[str, Solver]:
-    solvers: dict[str, Solver] = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
-    return solvers | ({"ContactMechanics": _by_contact_mechanics} if _THIRD else {})
 
 
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
@@ -148,6 +138,10 @@ def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
     model.operators["dcfft"](pressure, displacement)
     touching = pressure > 0
     return float(touching.mean()) * width**2, float((displacement + gap)[touching].mean())
+
+
+SOLVERS: dict[str, Solver] = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
+SOLVERS |= {"ContactMechanics": _by_contact_mechanics} if _THIRD else {}
 
 
 def report() -> None:

@@ -6,7 +6,6 @@ import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -23,8 +22,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, TaskResult, perform
 from fingerpad.study.manifest.load import read_study
-from fingerpad.study.manifest.models import Study
-from fingerpad.study.measuring.context import FoundScale, RunContext, scale_from, scale_record, scale_tables
+from fingerpad.study.measuring.context import RunContext, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequences import SequenceItem, header_task
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
@@ -48,6 +46,7 @@ def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: f
         rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
         (folder / f"force_{number}.csv").write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
     given = {"semi_axes_mm": AXES, "semi_axes_mm_std": dict.fromkeys(AXES, 0.1), "synthetic": True}
+    same = {"scale": {"ppi": ppi}, "frames_per_second": FPS, "synthetic": True}
     tables = [
         {
             "name": f"sequence_{number}",
@@ -55,17 +54,12 @@ def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: f
             "wedge_angle_deg": (15, 45)[number // 5 % 2],
             "file": f"sequence_{number}.tif",
             "force": f"force_{number}.csv",
-            "scale": {"ppi": ppi},
-            "frames_per_second": FPS,
-            "synthetic": True,
+            **same,
         }
         for number in range(sequences)
     ]
-    study = {
-        "title": "Synthetic sequences",
-        "fingers": [{"name": f"finger_{number}", **given} for number in range(5)],
-        "sequences": tables,
-    }
+    fingers = [{"name": f"finger_{number}", **given} for number in range(5)]
+    study = {"title": "Synthetic sequences", "fingers": fingers, "sequences": tables}
     manifest = folder / "study.toml"
     manifest.write_text(tomlkit.dumps(study), encoding="utf-8")
     return manifest
@@ -130,22 +124,17 @@ def _again(manifest: Path, out: Path) -> tuple[float, float]:
     return time.perf_counter() - start, peak_mb()
 
 
-def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
-    """Return every scale of a study, or why there is none."""
-    return {
-        key: scale_from(scale_record(name, table, folder, folder))
-        for key, (name, table) in scale_tables(study).items()
-    }
-
-
 def _fill(manifest: Path, out: Path) -> None:
     """Measure the first sequence, and store its results for the others, which show the same."""
     out.mkdir()
     study, folder = read_study(manifest), manifest.parent
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
-        context = RunContext(study=study, folder=folder, store=store)
-        context = replace(context, scales=measured_scales(study, folder))
+        scales = {
+            key: scale_from(scale_record(name, table, folder, folder))
+            for key, (name, table) in scale_tables(study).items()
+        }
+        context = RunContext(study=study, folder=folder, store=store, scales=scales)
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)

@@ -61,11 +61,12 @@ def circles() -> None:
             errors = [f"{a / exact.area[i] - 1:+.0e}, {x / exact.indentation[i] - 1:+.0e}" for a, x in found]
             ratios = (f"{one[i]:.3f}" for one in (exact.area_ratio, exact.load_at_depth, exact.load_at_area))
             rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
-    columns = (
-        "a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A", "Hertz: errors of A, ξ at W", "fast law",
-        "solver",
-    )  # fmt: skip
-    table(columns, rows, "A circular contact on a bonded layer, by one integral equation to ten digits")
+    columns = "a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A", "Hertz: errors of A, ξ at W"
+    table(
+        (*columns, "fast law", "solver"),
+        rows,
+        "A circular contact on a bonded layer, by one integral equation to ten digits",
+    )
     sizes = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.5, 0.7])
     exact = Circles(sizes, 0.5)
     table(
@@ -104,50 +105,38 @@ def hertz_by_size() -> None:
             parts = (100 * np.quantile(one[inside], [0, 0.5, 1]) for one in errors.values())
             ranges = (f"{middle:+.1f} % ({least:+.0f} to {most:+.0f})" for least, middle, most in parts)
             rows.append((f"{low:g} to {low + 0.1:g} of the {of}", inside.sum(), *ranges))
-    table(
-        ("contact radius", "pads", *errors),
-        rows,
-        "Errors of Hertz theory for whole pads on deep tissue: median (range)",
-    )
+    title = "Errors of Hertz theory for whole pads on deep tissue: median (range)"
+    table(("contact radius", "pads", *errors), rows, title)
 
 
 def held_out() -> None:
     """Print the laws' largest errors in contacts that nothing was fitted to, and Hertz theory's."""
     kept = np.load(KEPT)
     rows: list[tuple[object, ...]] = []
-    for title, name in (
-        ("elliptical paraboloid on a layer", "elliptical_held_out"),
-        ("whole pad on deep tissue", "pads_held_out"),
-        ("whole pad on a layer", "layered_held_out"),
-    ):
-        contacts = kept[name]
-        placement, tissue = kept_contacts(contacts, is_pad=not name.startswith("elliptical"))
+    titles = "elliptical paraboloid on a layer", "whole pad on deep tissue", "whole pad on a layer"
+    for title, name in zip(titles, ("elliptical", "pads", "layered"), strict=True):
+        contacts = kept[f"{name}_held_out"]
+        placement, tissue = kept_contacts(contacts, is_pad=name != "elliptical")
         load, area, depth, ratio, peak = contacts[:, -5:].T
         solved = {"load": load, "area": area / AREA_BIAS, "indentation": depth}
         for given in _NAMES:
             fast = fast_contact(placement, tissue, **{given: solved[given]})
             hertz = hertz_contact(placement, tissue, **{given: solved[given]})
             inside = fast.flag_code == 0
-            errors = [
-                _cell(getattr(fast, each)[inside], solved[each][inside], getattr(hertz, each)[inside])
-                if each != given
-                else "given"
-                for each in _NAMES
-            ]
-            rows.append((title, given, f"{inside.sum()} of {len(contacts)}", *errors, "", ""))
+            three = ((getattr(fast, each), solved[each], getattr(hertz, each)) for each in _NAMES)
+            errors = dict(zip(_NAMES, (_cell(*(one[inside] for one in some)) for some in three), strict=True))
+            errors[given] = "given"
+            rows.append((title, given, f"{inside.sum()} of {len(contacts)}", *errors.values(), "", ""))
         form = fast_contact(placement, tissue, area=solved["area"])
         inside = np.isfinite(form.semi_major)
         hertz = hertz_contact(placement, tissue, area=solved["area"])
         mean = load / solved["area"]
-        shape = _cell(form.aspect_ratio[inside], 1 / ratio[inside], hertz.aspect_ratio[inside])
-        peaks = (form.peak_pressure / form.mean_pressure * mean)[inside]
-        highest = _cell(peaks, peak[inside], (1.5 * mean)[inside])
-        rows.append((title, "area", f"{inside.sum()} of {len(contacts)}", "", "", "", shape, highest))
-    table(
-        ("contacts", "given", "within range", *_NAMES, "aspect ratio", "peak pressure"),
-        rows,
-        "Largest error on contacts that nothing was fitted to (Hertz theory's)",
-    )
+        peaks = form.peak_pressure / form.mean_pressure * mean
+        pair = (form.aspect_ratio, 1 / ratio, hertz.aspect_ratio), (peaks, peak, 1.5 * mean)
+        cells = (_cell(*(one[inside] for one in some)) for some in pair)
+        rows.append((title, "area", f"{inside.sum()} of {len(contacts)}", "", "", "", *cells))
+    columns = "contacts", "given", "within range", *_NAMES, "aspect ratio", "peak pressure"
+    table(columns, rows, "Largest error on contacts that nothing was fitted to (Hertz theory's)")
 
 
 def _cell(fast: Array, solved: Array, hertz: Array) -> str:
@@ -164,22 +153,21 @@ def cost(count: int = 400_000) -> None:
     pads = Ellipsoid(*rng.uniform([7, 11, 9], [9, 15, 12], (count, 3)).T)
     bodies, soft = Paraboloid(first, second), Tissue(youngs_modulus=0.075)
     gap = bodies.gap
-    placement = Placement(
-        pads, wedge_angle=rng.uniform(0, 1.5, count), roll_angle=rng.uniform(-0.5, 0.5, count)
-    )
-    whole = plate_gap(placement)
+    wedge, roll = rng.uniform(0, 1.5, count), rng.uniform(-0.5, 0.5, count)
+    placement = Placement(pads, wedge_angle=wedge, roll_angle=roll)
+    whole, area, on_layer = plate_gap(placement), {"area": 40 * load}, {"thickness": thickness}
     calls: dict[str, Callable[[], object]] = {"Hertz": partial(hertz_contact, bodies, soft, load=load)}
     for title, of, given in (
-        ("layer, one ν, by area", gap, {"area": 40 * load, "thickness": thickness}),
-        ("layer, by area", gap, {"area": 40 * load, "thickness": thickness, "poisson_ratio": nu}),
-        ("layer, by load", gap, {"load": load, "thickness": thickness, "poisson_ratio": nu}),
-        ("whole pad, by area", whole, {"area": 40 * load}),
+        ("layer, one ν, by area", gap, area | on_layer),
+        ("layer, by area", gap, area | on_layer | {"poisson_ratio": nu}),
+        ("layer, by load", gap, {"load": load} | on_layer | {"poisson_ratio": nu}),
+        ("whole pad, by area", whole, area),
         ("whole pad, by load", whole, {"load": load}),
-        ("whole pad on a layer, by load", whole, {"load": load, "thickness": thickness, "poisson_ratio": nu}),
+        ("whole pad on a layer, by load", whole, {"load": load} | on_layer | {"poisson_ratio": nu}),
     ):
         calls[title] = partial(press, of, reduced_modulus=0.1, **given)
-    on_layer = Tissue(youngs_modulus=0.075, poisson_ratio=nu, thickness=thickness)
-    calls["the same from placements, with its gap"] = partial(fast_contact, placement, on_layer, load=load)
+    tissue = Tissue(youngs_modulus=0.075, poisson_ratio=nu, thickness=thickness)
+    calls["the same from placements, with its gap"] = partial(fast_contact, placement, tissue, load=load)
     shortest = dict.fromkeys(calls, np.inf)
     for _ in range(9):
         for title, call in calls.items():

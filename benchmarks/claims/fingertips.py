@@ -1,15 +1,12 @@
 """Photographs of fingertips of known curvature: bias, stated uncertainty and coverage of the semi-axes."""
 
-import zlib
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
-import numpy as np
-
 from benchmarks.arrays import Array, Pixels
-from benchmarks.tables import Row, errors_table, rows_of
+from benchmarks.tables import Row, errors_table, or_none, rows_of
 from benchmarks.truth.fingertips import SHAPES, ShapedFinger, render
-from fingerpad.exceptions import FingerpadError
+from benchmarks.truth.true_image import named_rng
 from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
 from fingerpad.image.photograph.faces import Direction
 
@@ -23,9 +20,8 @@ def measured(
     """Yield each shape's name, a finger of it and its measurement, None where that is refused."""
     for name in SHAPES:
         for number in range(count):
-            rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
             face = faces[number % len(faces)]
-            truth = render(name, rng, face)
+            truth = render(name, named_rng(seed, name, number), face)
             yield name, truth, measure(truth.pixels, face, truth.mm_per_px, SIDES[face])
 
 
@@ -33,10 +29,7 @@ def measure(
     pixels: Pixels, face: Face, mm_per_px: float, palmar: Direction | None, points: Array | None = None
 ) -> PhotographFit | None:
     """Return the measurement of a photograph, None where it is refused."""
-    try:
-        return measure_photograph(pixels, face, Scale(mm_per_px), palmar=palmar, points=points)
-    except FingerpadError:
-        return None
+    return or_none(measure_photograph, pixels, face, Scale(mm_per_px), palmar=palmar, points=points)
 
 
 def report(count: int = 8, seed: int = 75) -> None:

@@ -16,6 +16,7 @@ from scipy.sparse import csc_array
 from scipy.spatial import cKDTree
 
 from benchmarks.arrays import Array
+from benchmarks.simulated import PLACED
 from benchmarks.tables import table
 from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
 from fingerpad.contact.contact import AnyPlacement
@@ -23,7 +24,6 @@ from fingerpad.simulator import export_finger, simulator_law
 from fingerpad.simulator.elements import TissueElements, stiffness_of
 from fingerpad.simulator.mesh import MIDDLES, LayerMesh, layer_mesh
 
-PLACE: Final = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
 THICKNESS: Final = 8.0
 INDENTATIONS: Final = (0.3, 0.75, 1.5, 2.2)
 # Share of the rings that are even, up to which radius, and the rim's, mm.
@@ -56,14 +56,13 @@ def bent_layer(place: Placement, thickness: float, bend: float, **size: int) -> 
 
 def rows_of(tissue: Tissue, indentations: tuple[float, ...], **size: int) -> Iterator[tuple[str, Array]]:
     """Yield what was changed, and the load of the elements over the solver's."""
-    solved = np.array([solve_contact(PLACE, tissue, indentation=at).load for at in indentations])
+    solved = np.array([solve_contact(PLACED, tissue, indentation=at).load for at in indentations])
     thickness, ratio = float(tissue.thickness), float(tissue.poisson_ratio)
     across = np.array([1.0, 0.0, 0.0])
-    cases = [("flat and wide, as the solver's", across, *wide_layer(PLACE, thickness, **size))]
+    cases = [("flat and wide, as the solver's", across, *wide_layer(PLACED, thickness, **size))]
     bends = {"flat, free sides where the export ends": 0.0, "bent by half": 0.5, "bent as the pad": 1.0}
-    cases += [
-        (words, PLACE.normal, *bent_layer(PLACE, thickness, bend, **size)) for words, bend in bends.items()
-    ]
+    for words, bend in bends.items():
+        cases.append((words, PLACED.normal, *bent_layer(PLACED, thickness, bend, **size)))
     for words, normal, mesh, gap in cases:
         stiffness = stiffness_of(mesh, ratio)
         elements = TissueElements(mesh, stiffness, normal=normal, gap=gap, deepest=indentations[-1])
@@ -110,7 +109,7 @@ def _cells(tissue: Tissue, **size: int) -> Iterator[tuple[str, ...]]:
     for words, ratio in rows_of(tissue, INDENTATIONS, **size):
         yield words, *(f"{one:.2f}" for one in ratio)
     with tempfile.TemporaryDirectory() as folder:
-        export_finger(simulator_law(PLACE, tissue, (0.2, 3.0)), Path(folder), effective_mass=0.1)
-        load = exported_loads(Path(folder), INDENTATIONS, PLACE.normal)
-    solved = np.array([solve_contact(PLACE, tissue, indentation=at).load for at in INDENTATIONS])
+        export_finger(simulator_law(PLACED, tissue, (0.2, 3.0)), Path(folder), effective_mass=0.1)
+        load = exported_loads(Path(folder), INDENTATIONS, PLACED.normal)
+    solved = np.array([solve_contact(PLACED, tissue, indentation=at).load for at in INDENTATIONS])
     yield "`finger.inp` by scikit-fem", *(f"{one:.2f}" for one in load / solved)

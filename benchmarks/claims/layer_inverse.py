@@ -15,16 +15,15 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.arrays import Array
 from benchmarks.claims.loading_truth import Condition, make_curve
+from benchmarks.simulated import PLACED, TABLE_1
 from benchmarks.tables import not_refused, share, table
 from benchmarks.truth.loading_physics import POISSON, Contact, Pad, hertz, layer, pink
 from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import AnyPlacement
-from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
+from fingerpad.geometry import Ellipsoid, Paraboloid
 from fingerpad.loading import fit_layer_thickness
 
-TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-PLACED = Placement(TABLE_1, wedge_angle=math.radians(30))
 DEEP = math.inf
 
 
@@ -116,9 +115,7 @@ def fit_once(case: Case, seed: int) -> dict[str, float]:
 
 
 def _held(quantity: Estimate, truth: float) -> float:
-    if not quantity.known:
-        return math.nan
-    return float(quantity.lower <= truth <= quantity.upper)
+    return float(quantity.lower <= truth <= quantity.upper) if quantity.known else math.nan
 
 
 def report(repeats: int = 10, first_seed: int = 90_000) -> None:

@@ -137,11 +137,10 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, float]:
 
 def report(repeats: int = 24, first_seed: int = 50_000) -> None:
     """Print, of each condition and quantity, the error, coverage and flags."""
-    table(
-        ("condition", "flagged", "refused", *(name.replace("_", " ") for name in QUANTITIES)),
-        (_cells(name, range(first_seed, first_seed + repeats)) for name in CONDITIONS),
-        f"{repeats} curves each: median error; held by 95 % intervals (by those of curves without a flag)",
-    )
+    columns = "condition", "flagged", "refused", *(name.replace("_", " ") for name in QUANTITIES)
+    rows = (_cells(name, range(first_seed, first_seed + repeats)) for name in CONDITIONS)
+    title = f"{repeats} curves each: median error; held by 95 % intervals (by those of curves without a flag)"
+    table(columns, rows, title)
 
 
 def _cells(name: str, seeds: range) -> list[object]:

@@ -1,7 +1,7 @@
 """Pictures that show no finger's contact, photographs and drawings, to see whether they are taken for one."""
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Final
 
@@ -11,15 +11,16 @@ import numpy.typing as npt
 import skimage.data
 
 from benchmarks.arrays import Array, Pixels, Rng
-from benchmarks.tables import table
+from benchmarks.tables import or_none, table
 from benchmarks.truth.independent_images import independent_images
-from fingerpad.exceptions import ImageError
 from fingerpad.image import Face, Scale, measure_contact_image
 from fingerpad.simulate import render_finger
 
 PPI: Final = 500
 SIDE: Final = 480
 FLAG: Final = "not_a_contact_image"
+# x and y of each pixel from the middle, as shares of half a side
+_Y, _X = np.mgrid[-1 : 1 : SIDE * 1j, -1 : 1 : SIDE * 1j]
 
 
 def _levels(values: npt.ArrayLike) -> Pixels:
@@ -33,16 +34,9 @@ def _noise(rng: Rng, length: float) -> Array:
     return smooth / smooth.std()
 
 
-def _coordinates() -> tuple[Array, Array]:
-    """Return x and y of each pixel from the middle, as shares of half a side."""
-    y, x = np.mgrid[-1 : 1 : SIDE * 1j, -1 : 1 : SIDE * 1j]
-    return x, y
-
-
 def _in_ellipse(texture: npt.ArrayLike) -> Pixels:
     """Return a texture seen in an ellipse of a contact's size on an even ground."""
-    x, y = _coordinates()
-    return _levels(np.where((x / 0.55) ** 2 + (y / 0.75) ** 2 < 1, texture, 235))
+    return _levels(np.where((_X / 0.55) ** 2 + (_Y / 0.75) ** 2 < 1, texture, 235))
 
 
 def _spectrum(rng: Rng, power: float) -> Array:
@@ -77,8 +71,7 @@ def text(rng: Rng, size: float = 0.5, step: int = 16) -> Pixels:
 
 def stripes(_: Rng, period_mm: float, turn: float = 0.3) -> Pixels:
     """Draw straight stripes within an ellipse."""
-    x, y = _coordinates()
-    along = (np.cos(turn) * x + np.sin(turn) * y) * SIDE / 2 * 25.4 / PPI
+    along = (np.cos(turn) * _X + np.sin(turn) * _Y) * SIDE / 2 * 25.4 / PPI
     return _in_ellipse(140 + 90 * np.cos(2 * np.pi * along / period_mm))
 
 
@@ -108,6 +101,11 @@ def scribble(rng: Rng) -> Pixels:
     return _levels(picture + 3 * _noise(rng, 0))
 
 
+def hand_photograph(rng: Rng, face: Face) -> Pixels:
+    """Render a photograph of a finger, in grey, to be measured as if at 500 ppi."""
+    return _levels(render_finger(face, seed=int(rng.integers(1000))).pixels @ np.array([0.299, 0.587, 0.114]))
+
+
 def chart(rng: Rng) -> Pixels:
     """Draw a bar chart with its grid."""
     picture = np.full((SIDE, SIDE), 245.0)
@@ -119,24 +117,7 @@ def chart(rng: Rng) -> Pixels:
     return _levels(picture)
 
 
-def hand_photograph(rng: Rng, face: Face) -> Pixels:
-    """Render a photograph of a finger, in grey, to be measured as if at 500 ppi."""
-    pixels = render_finger(face, seed=int(rng.integers(1000))).pixels
-    return _levels(pixels @ np.array([0.299, 0.587, 0.114]))
-
-
-def _gradient(_: Rng, kind: str) -> Pixels:
-    x, y = _coordinates()
-    return _levels(
-        {
-            "linear": 128 + 100 * x,
-            "radial": 240 - 150 * np.hypot(x, y),
-            "spot": 235 - 170 * np.exp(-3 * (x**2 + y**2)),
-            "vignette": 240 - 120 * (x**2 + y**2) ** 2,
-        }[kind]
-    )
-
-
+FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial", "ulnar", "palmar", "radial")
 # Pictures that come with scikit-image, by what they show.
 PHOTOGRAPHS: Final = {
     "photograph of a face": ("astronaut", "camera", "cat"),
@@ -162,7 +143,12 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
         lambda rng: _levels(128 + 45 * _spectrum(rng, 1)),
         lambda rng: _levels(128 + 45 * _spectrum(rng, 1.6)),
     ),
-    "gradient": tuple(partial(_gradient, kind=kind) for kind in ("linear", "radial", "spot", "vignette")),
+    "gradient": (
+        lambda _: _levels(128 + 100 * _X),
+        lambda _: _levels(240 - 150 * np.hypot(_X, _Y)),
+        lambda _: _levels(235 - 170 * np.exp(-3 * (_X**2 + _Y**2))),
+        lambda _: _levels(240 - 120 * (_X**2 + _Y**2) ** 2),
+    ),
     **{of: tuple(partial(photograph, name=name) for name in names) for of, names in PHOTOGRAPHS.items()},
     "text": (
         text,
@@ -172,48 +158,29 @@ KINDS: Final[dict[str, tuple[Draw, ...]]] = {
         lambda rng: _in_ellipse(text(rng, 0.3, 9)),
     ),
     "checkerboard": tuple(partial(checkerboard, side_mm=side) for side in (0.2, 0.45, 1.0, 3.0)),
-    "stripes, too coarse or fine": tuple(
-        partial(stripes, period_mm=period) for period in (0.12, 0.18, 0.95, 1.4, 2.5)
-    ),
+    "stripes, too coarse or fine": tuple(partial(stripes, period_mm=p) for p in (0.12, 0.18, 0.95, 1.4, 2.5)),
     "shape": tuple(partial(shape, corners=corners) for corners in (0, 3, 4, 6)),
     "drawing": (scribble, chart),
-    "photograph of a finger": tuple(
-        partial(hand_photograph, face=face)
-        for face in ("palmar", "distal", "radial", "ulnar", "palmar", "radial")
-    ),
+    "photograph of a finger": tuple(partial(hand_photograph, face=face) for face in FACES),
 }
-
-
-def non_prints(seed: int = 0) -> Iterator[tuple[str, Pixels]]:
-    """Yield pictures without a finger's contact, each with its kind."""
-    for number, (kind, draws) in enumerate(KINDS.items()):
-        for k, draw in enumerate(draws):
-            yield kind, draw(np.random.default_rng([seed, number, k]))
 
 
 def answer(pixels: npt.ArrayLike, scale: Scale) -> str:
     """Return how a picture is taken: refused, flagged as no contact image, flagged otherwise, or accepted."""
-    try:
-        flags = measure_contact_image(pixels, scale).flags
-    except ImageError:
+    if (found := or_none(measure_contact_image, pixels, scale)) is None:
         return "refused"
-    return FLAG if FLAG in flags else "other flags" if flags else "accepted"
-
-
-def rates() -> dict[str, dict[str, int]]:
-    """Return how often each kind of picture, and of independently rendered contact, is taken how."""
-    counts: dict[str, dict[str, int]] = defaultdict(Counter)
-    for kind, pixels in non_prints():
-        counts[kind][answer(pixels, Scale.of_ppi(PPI))] += 1
-    for _, image in independent_images(4):
-        counts["contact images"][answer(image.pixels, Scale(image.mm_per_px))] += 1
-    return counts
+    return FLAG if FLAG in found.flags else "other flags" if found.flags else "accepted"
 
 
 def report() -> None:
-    """Print how pictures without a contact, and contact images, are taken."""
+    """Print how pictures without a contact, and independently rendered contact images, are taken."""
+    counts: dict[str, dict[str, int]] = defaultdict(Counter)
+    for number, (kind, draws) in enumerate(KINDS.items()):
+        for k, draw in enumerate(draws):
+            counts[kind][answer(draw(np.random.default_rng([0, number, k])), Scale.of_ppi(PPI))] += 1
+    for _, image in independent_images(4):
+        counts["contact images"][answer(image.pixels, Scale(image.mm_per_px))] += 1
     answers = "refused", FLAG, "other flags", "accepted"
-    counts = rates()
     table(
         ("picture of", *(name.replace(FLAG, f"`{FLAG}`") for name in answers)),
         ((kind, *(taken[name] for name in answers)) for kind, taken in counts.items()),

@@ -5,6 +5,7 @@ leaning by 1.5 degrees.
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,10 +16,6 @@ from fingerpad.image import Face, face_from_outline
 KINDS = ("ellipse", "pointed", "blunt", "egg", "one side fuller", "bumps")
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial")
 _T = np.radians(np.linspace(-60, 240, 6001))
-
-
-def _power(part: Array, exponent: float | Array) -> Array:
-    return np.sign(part) * np.abs(part) ** (2 / exponent)
 
 
 def _curve(kind: str, across: float, along: float, rng: Rng) -> Array:
@@ -33,7 +30,7 @@ def _curve(kind: str, across: float, along: float, rng: Rng) -> Array:
         low, high = {"pointed": (1.7, 1.93), "blunt": (2.1, 2.6)}.get(kind, (1.75, 2.0))
         one = rng.uniform(low, high)
         exponent = np.where(c > 0, one, rng.uniform(2, 2.3) if kind == "one side fuller" else one)
-        c, s = _power(c, exponent), _power(s, exponent)
+        c, s = (np.sign(part) * np.abs(part) ** (2 / exponent) for part in (c, s))
     return np.stack([across * c, along * s], axis=-1)
 
 
@@ -74,14 +71,18 @@ def draw(kind: str, face: Face, rng: Rng) -> tuple[Array, Array]:
     return points @ turn + rng.uniform(-20, 20, 2), _extents(curve, face)
 
 
-def report(count: int = 9, seed: int = 2) -> None:
-    """Print errors, stated uncertainties and coverage by kind."""
-    rows: dict[str, list[Row]] = {}
+def drawn(count: int, seed: int) -> Iterator[tuple[str, Face, Array, Array]]:
+    """Yield kind, face, points and true semi-axes of so many outlines of each kind."""
     for place, kind in enumerate(KINDS):
         for number in range(count):
             face = FACES[number % len(FACES)]
-            points, truth = draw(kind, face, np.random.default_rng([seed, place, number]))
-            found = face_from_outline(face, points)
-            of_kind = rows_of(found.semi_axes, truth, found.covariance, found.flags)
-            rows.setdefault(kind, []).extend(of_kind)
+            yield kind, face, *draw(kind, face, np.random.default_rng([seed, place, number]))
+
+
+def report(count: int = 9, seed: int = 2) -> None:
+    """Print errors, stated uncertainties and coverage by kind."""
+    rows: dict[str, list[Row]] = {kind: [] for kind in KINDS}
+    for kind, face, points, truth in drawn(count, seed):
+        found = face_from_outline(face, points)
+        rows[kind] += rows_of(found.semi_axes, truth, found.covariance, found.flags)
     errors_table("Semi-axes from outlines", rows)

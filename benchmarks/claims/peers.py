@@ -31,12 +31,11 @@ from benchmarks.arrays import Array, Pixels
 from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
 from benchmarks.cost import best
-from benchmarks.tables import off, percent, stated, table
+from benchmarks.tables import off, or_none, percent, stated, table
 from benchmarks.truth.hertz import exact_contact, hertz_factors
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.contact import Contact, Tissue, hertz_contact
-from fingerpad.exceptions import ImageError
 from fingerpad.geometry import Paraboloid
 from fingerpad.image import measure_contact_image
 from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
@@ -104,11 +103,8 @@ def hertz() -> None:
             rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
         else:
             rows.append((f"{peer}: not installed", "–", "–", "–"))
-    table(
-        ("elliptical Hertz contact", "semi-axes, largest error", "indentation", "one contact"),
-        rows,
-        "Elliptical Hertz contact, R'/R'' from 1 to 100, against 50 digits",
-    )
+    head = "elliptical Hertz contact", "semi-axes, largest error", "indentation", "one contact"
+    table(head, rows, "Elliptical Hertz contact, R'/R'' from 1 to 100, against 50 digits")
 
 
 def _errors(name: str, found: Array, exact: Array, seconds: str) -> tuple[str, ...]:
@@ -143,10 +139,7 @@ def _ask(peer: str) -> tuple[list[list[float]], float] | None:
     asked = json.dumps([peer, RADIUS, LOAD, MODULUS, RADII_RATIOS])
     command = [interpreter, "-W", "ignore", "-c", _IN_OWN_ENVIRONMENT, asked]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
-    if done.returncode:
-        return None
-    rows, seconds = json.loads(done.stdout.splitlines()[-1])
-    return rows, seconds
+    return None if done.returncode else tuple(json.loads(done.stdout.splitlines()[-1]))
 
 
 def contact_image(count: int) -> None:
@@ -154,13 +147,7 @@ def contact_image(count: int) -> None:
     images = [image for _, image in independent_images(count, seed=77)]
     truth = np.array([(image.gross_area, *image.semi_axes) for image in images])
     rows = []
-    for name, way in (
-        ("fingerpad", _by_fingerpad),
-        ("scikit-image: Otsu, closing, largest region", _by_scikit_image),
-        ("blur over a ridge, Otsu, largest region, as MATLAB scripts do", _by_blur),
-        ("as an ImageJ macro: median, IsoData, close, fill, fit", _by_imagej),
-        ("pyfing: gradient magnitude (GMFS)", _by_pyfing),
-    ):
+    for name, way in OF_IMAGES.items():
         try:
             found = [way(image) for image in images]
         except ImportError:
@@ -171,17 +158,12 @@ def contact_image(count: int) -> None:
         seconds = best(lambda way=way: way(images[0]), repeats=3)  # type: ignore[misc]
         none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area))))
         rows.append((name, off(area), worst, percent(rms), f"{1e3 * seconds:.0f} ms", none))
-    table(
-        ("contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"),
-        rows,
-        f"{len(images)} contact images of independent truth in {len(CONDITIONS)} conditions",
-    )
+    head = "contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"
+    table(head, rows, f"{len(images)} contact images of independent truth in {len(CONDITIONS)} conditions")
 
 
 def _by_fingerpad(image: IndependentImage) -> Measured:
-    try:
-        found = measure_contact_image(image.pixels, image.mm_per_px)
-    except ImageError:
+    if (found := or_none(measure_contact_image, image.pixels, image.mm_per_px)) is None:
         return _NONE
     ellipse = found.ellipse
     return found.gross_area, float(ellipse.semi_major), float(ellipse.semi_minor)
@@ -245,11 +227,9 @@ def pooled() -> None:
         frame = theirs.summary_frame()
         difference = ours.value - frame.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
         worst = np.maximum(worst, np.abs(difference))
-    table(
-        ("pooled means", "largest difference of the mean", "of the deviation between values"),
-        [("statsmodels, Paule and Mandel", f"{worst[0]:.1e} mm", f"{worst[1]:.1e} mm")],
-        "Means of random effects of 3 to 20 values",
-    )
+    head = "pooled means", "largest difference of the mean", "of the deviation between values"
+    row = "statsmodels, Paule and Mandel", f"{worst[0]:.1e} mm", f"{worst[1]:.1e} mm"
+    table(head, [row], "Means of random effects of 3 to 20 values")
 
 
 def loading(count: int) -> None:
@@ -274,11 +254,9 @@ def loading(count: int) -> None:
             e, std, at, spent = np.array(found).T
             micrometres = f"{1e3 * np.sqrt(np.mean(at**2)):.0f} µm"
             rows.append((name, way, off(e), stated(e, std), micrometres, f"{1e3 * np.median(spent):.0f} ms"))
-    table(
-        ("curves", "fitted by", "E: bias, rms error", "stated, held", "place of contact, rms", "a fit"),
-        rows,
-        f"{count} loading curves each to 2 N, no areas, radius known, zero and place of contact not",
-    )
+    head = "curves", "fitted by", "E: bias, rms error", "stated, held", "place of contact, rms", "a fit"
+    title = f"{count} loading curves each to 2 N, no areas, radius known, zero and place of contact not"
+    table(head, rows, title)
     records = []
     for name, (radius, instrument, unit) in RECORDS.items():
         whole = read_loading_curve(ROOT / "tests" / "loading" / "data" / name)
@@ -287,11 +265,8 @@ def loading(count: int) -> None:
         theirs = (fit(whole, radius) for fit in (_fit_lmfit, _fit_nanite))
         cells = ("–" if one is None else f"{unit * one[0] / 0.75:.4g}" for one in theirs)
         records.append((name, f"{instrument:g}", secant, *cells))
-    table(
-        ("real record", "E* as published, Pa", "fingerpad", "lmfit", "nanite"),
-        records,
-        "Real records of gel and cell, made of the whole approach",
-    )
+    columns = "real record", "E* as published, Pa", "fingerpad", "lmfit", "nanite"
+    table(columns, records, "Real records of gel and cell, made of the whole approach")
 
 
 def _fit_ours(curve: LoadingCurve, radius: float) -> tuple[float, float, float] | None:
@@ -345,6 +320,13 @@ def _fit_nanite(curve: LoadingCurve, radius: float) -> tuple[float, float, float
     return 1e-6 * found["E"].value, std, -1e3 * found["contact_point"].value
 
 
+OF_IMAGES: Final = {
+    "fingerpad": _by_fingerpad,
+    "scikit-image: Otsu, closing, largest region": _by_scikit_image,
+    "blur over a ridge, Otsu, largest region, as MATLAB scripts do": _by_blur,
+    "as an ImageJ macro: median, IsoData, close, fill, fit": _by_imagej,
+    "pyfing: gradient magnitude (GMFS)": _by_pyfing,
+}
 WAYS: Final = {"fingerpad": _fit_ours, "lmfit, paraboloid": _fit_lmfit, "nanite, hertz_para": _fit_nanite}
 
 

@@ -5,7 +5,6 @@ light, shadow, blur, noise, tilt in the image and of the camera, JPEG, 0.03 to 0
 beyond the arc.
 """
 
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
@@ -81,20 +80,19 @@ def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
     with ProcessPoolExecutor(2) as pool:
         trials = list(pool.map(partial(trial, marked=marked), range(first, first + count), chunksize=8))
     done = [(arc_deg, rows) for arc_deg, rows in trials if rows]
-
-    def cells() -> Iterator[tuple[object, ...]]:
-        for low, high in (*ARCS_DEG, (60, 180)):
-            some = np.array([rows for arc_deg, rows in done if low <= arc_deg <= high])
-            if some.size:
-                errors, stds, flagged = np.moveaxis(some, -1, 0)
-                size = np.abs(errors)
-                middle, most = (percent(float(np.quantile(size, part))) for part in (0.5, 0.95))
-                between = " to ".join(map(percent, _interval(size)))
-                yield f"{low}–{high}°", len(some), middle, most, between, stated(errors, stds), share(flagged)
-
+    cells: list[tuple[object, ...]] = []
+    for low, high in (*ARCS_DEG, (60, 180)):
+        some = np.array([rows for arc_deg, rows in done if low <= arc_deg <= high])
+        if some.size:
+            errors, stds, flagged = np.moveaxis(some, -1, 0)
+            size = np.abs(errors)
+            middle, most = (percent(float(np.quantile(size, part))) for part in (0.5, 0.95))
+            between = " to ".join(map(percent, _interval(size)))
+            of = f"{low}–{high}°", len(some), middle, most, between
+            cells.append((*of, stated(errors, stds), share(flagged)))
     way = "Nine marks, the arc's ends among them" if marked else "Arc found automatically, from 120°"
     columns = "arc", "faces", "median error", "95 % within", "known to", "stated, held", "flagged"
-    table(columns, cells(), f"{way}: {count} photographs, {count - len(done)} refused")
+    table(columns, cells, f"{way}: {count} photographs, {count - len(done)} refused")
 
 
 def report(count: int = 192, first: int = 75_000) -> None:

@@ -38,9 +38,8 @@ class Score(NamedTuple):
 def _score(one: Callable[[Rng], tuple[ArrayLike, ArrayLike, ArrayLike]], repeats: int, *seed: int) -> Score:
     """Score repeats of what gives errors, stated uncertainties, and whether intervals held."""
     rng = np.random.default_rng(seed)
-    off, std, held = (
-        np.array(each, dtype=float) for each in zip(*(one(rng) for _ in range(repeats)), strict=True)
-    )
+    trials = zip(*(one(rng) for _ in range(repeats)), strict=True)
+    off, std, held = (np.array(each, dtype=float) for each in trials)
     typical = np.sqrt(np.mean(np.square(std), axis=0))
     error = off.std(axis=0) / typical / np.sqrt(repeats)
     return Score(bias=off.mean(axis=0) / typical, error=error, covered=held.mean(axis=0))
@@ -99,16 +98,11 @@ def people(count: int, relative_std: float, repeats: int, *, fingers_as_people: 
         person = RADIUS * (1 + 0.1 * random.normal(size=(count, 1)))
         seen = person * (1 + 0.05 * random.normal(size=(count, 3)))
         seen = seen * (1 + relative_std * random.normal(size=(count, 3)))
-        (mean,) = means_of(
-            Value(
-                value=value,
-                std=relative_std * value,
-                person=Person(f"P{p}f{f}" if fingers_as_people else f"P{p}", True),
-                finger=f"f{f}",
-                **given,
-            )
-            for (p, f), value in np.ndenumerate(seen)
-        )
+        values = []
+        for (p, f), value in np.ndenumerate(seen):
+            who = Person(f"P{p}f{f}" if fingers_as_people else f"P{p}", True)
+            values.append(Value(value=value, std=relative_std * value, person=who, finger=f"f{f}", **given))
+        (mean,) = means_of(values)
         assert mean.interval is not None
         low, high = mean.interval
         return mean.value - RADIUS, mean.std, low <= RADIUS <= high
@@ -119,18 +113,13 @@ def people(count: int, relative_std: float, repeats: int, *, fingers_as_people: 
 def contacts(count: int, relative_std: float, elongation: float, repeats: int) -> Score:
     """Score R_δ and R_Aξ pooled over contacts on a pad that is known exactly."""
     curvature = Placement(Ellipsoid(*PAD), wedge_angle=np.radians(30)).curvature
-    truth = np.array(
-        [
-            radius(curvature.mean_curvature_radius, np.exp(-elongation))
-            for radius in (equivalent_radius_from_indentation, equivalent_radius_from_compliance)
-        ]
-    )
+    radii = equivalent_radius_from_indentation, equivalent_radius_from_compliance
+    truth = np.array([radius(curvature.mean_curvature_radius, np.exp(-elongation)) for radius in radii])
     study, pads = study_of({"f": None}, PAD), {"f": finger("f", PAD)}
 
     def one(random: Rng) -> tuple[Array, Array, Array]:
-        seen = [
-            _contact(random, float(load), relative_std, elongation) for load in np.geomspace(0.25, 4, count)
-        ]
+        loads = np.geomspace(0.25, 4, count).tolist()
+        seen = [_contact(random, load, relative_std, elongation) for load in loads]
         (summary,) = pool_contacts(Rows(study, pads, seen))
         pooled = [each for each in (summary.corrected_radius, summary.compliance_radius) if each]
         off, stds = np.array([each.value for each in pooled]) - truth, np.array([each.std for each in pooled])
@@ -170,8 +159,8 @@ def _cases() -> Iterator[tuple[str, Callable[[int], Score]]]:
         yield f"{count} values to {level:.0%}, that differ by 10 %", partial(varying, count, level, 0.1)
     for level in levels:
         yield f"fingers of 8 people to {level:.0%}", partial(people, 8, level)
-    words = "fingers of 8 people to 3%, each taken for a person"
-    yield words, partial(people, 8, 0.03, fingers_as_people=True)
+    taken = partial(people, 8, 0.03, fingers_as_people=True)
+    yield "fingers of 8 people to 3%, each taken for a person", taken
     for count, level, elongation in product((5, 10), levels, (0.2, 0.39)):
         words = f"{count} contacts to {level:.0%}, elongation {elongation:g}"
         yield words, partial(contacts, count, level, elongation)

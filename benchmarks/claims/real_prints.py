@@ -12,8 +12,7 @@ from typing import Final
 import numpy as np
 
 from benchmarks import ROOT
-from benchmarks.tables import percent, table
-from fingerpad.exceptions import ImageError
+from benchmarks.tables import or_none, percent, table
 from fingerpad.image import Scale, measure_contact_image, read_image
 
 PRINTS: Final = {"nist_nbis_livescan_slaps": 500, "nist_minex_ink": 500, "nist_nbis_rolled_1000ppi": 1000}
@@ -38,14 +37,13 @@ def report() -> None:
     folder = Path(os.environ.get("FINGERPAD_PRINTS", ROOT.parent / "shared" / "data"))
     if not any((folder / name).is_dir() for name in PRINTS):
         sys.exit(f"{folder} has no folder {', '.join(PRINTS)}: FINGERPAD_PRINTS names where they lie")
-    rows, curved = [], []
+    rows: list[tuple[str, ...]] = []
+    curved: list[tuple[str, ...]] = []
     for name, ppi in PRINTS.items():
         for path in sorted((folder / name).glob("*.p[ng][mg]")):
             seen, print_ = SEEN.get(path.stem, "right"), path.stem.replace("_", " ")
             picture, scale = read_image(path), Scale.of_ppi(ppi)
-            try:
-                found = measure_contact_image(picture, scale)
-            except ImageError:
+            if (found := or_none(measure_contact_image, picture, scale)) is None:
                 rows.append((print_, "–", "–", "refused", seen))
                 continue
             flags = ", ".join(f"`{flag}`" for flag in found.flags) or "–"
@@ -53,13 +51,9 @@ def report() -> None:
             moved = []
             plain, grey = measure_contact_image(picture.pixels, scale), picture.pixels.astype(float) / 255
             for gamma in GAMMAS:
-                try:
-                    bent = measure_contact_image(np.rint(255 * grey**gamma).astype(np.uint8), scale)
-                except ImageError:
-                    moved += ["refused", "refused"]
-                    continue
+                bent = or_none(measure_contact_image, np.rint(255 * grey**gamma).astype(np.uint8), scale)
                 moved += [
-                    percent(getattr(bent, area) / getattr(plain, area) - 1, "+")
+                    percent(getattr(bent, area) / getattr(plain, area) - 1, "+") if bent else "refused"
                     for area in ("gross_area", "ridge_area")
                 ]
             curved.append((print_, *moved, percent(plain.ridge_area_std / plain.ridge_area)))

@@ -124,17 +124,9 @@ def draw_repeats(population: Population, drawn: pd.DataFrame, rng: Rng) -> Array
 def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[float, float], float]]:
     radius = float(np.exp(log_radius))
     yield "area", (at.contact_area_mm2_ci95_low, at.contact_area_mm2_ci95_high), np.pi * radius**2
-    exact: dict[str, float] = {
-        **dict(zip(SEMI_AXES, PAD.tolist(), strict=True)),
-        "wedge_angle": math.radians(30),
-        "roll_angle": 0.0,
-        "poisson_ratio": 0.5,
-        "image_scale": 1.0,
-        "edge_offset": 0.0,
-        "load": at.load_N,
-        "contact_radius": radius,
-        "elongation": ELONGATION,
-    }
+    exact = dict(zip(SEMI_AXES, PAD.tolist(), strict=True))
+    exact |= {"wedge_angle": math.radians(30), "roll_angle": 0.0, "poisson_ratio": 0.5, "image_scale": 1.0}
+    exact |= {"edge_offset": 0.0, "load": at.load_N, "contact_radius": radius, "elongation": ELONGATION}
     outputs = pad_model(**{name: np.array(value) for name, value in exact.items()})
     interval = at.youngs_modulus_kpa_ci95_low, at.youngs_modulus_kpa_ci95_high
     yield "modulus", interval, 1000 * float(outputs["youngs_modulus"])
@@ -156,6 +148,7 @@ def _alone(*repeats: int) -> Design:
     return tuple(((each,),) for each in repeats)
 
 
+_UNEVEN: Design = ((2, 3), (5, 1)), ((2,), (3, 3, 2)), ((4, 1),), ((2, 2), (2, 2), (6,))
 CONDITIONS: tuple[tuple[str, Population, Design], ...] = (
     ("3 persons, 3 repeats", _TWO_LEVELS, _alone(3, 3, 3)),
     ("10 persons, 5 repeats", _TWO_LEVELS, _alone(*10 * (5,))),
@@ -163,22 +156,14 @@ CONDITIONS: tuple[tuple[str, Population, Design], ...] = (
     ("4 much alike, 2 repeats", Population(person=0.02), _alone(2, 2, 2, 2)),
     ("5 all alike, 3 repeats", Population(), _alone(*5 * (3,))),
     ("4 persons, 3 fingers, 2 sessions, 3", _FOUR_LEVELS, 4 * (3 * ((3, 3),),)),
-    (
-        "4 persons, 1 to 3 of each, 1 to 6",
-        _FOUR_LEVELS,
-        (((2, 3), (5, 1)), ((2,), (3, 3, 2)), ((4, 1),), ((2, 2), (2, 2), (6,))),
-    ),
+    ("4 persons, 1 to 3 of each, 1 to 6", _FOUR_LEVELS, _UNEVEN),
 )
 # The radius of a contact: half the relative scatter of its area.
 MEANS: tuple[tuple[str, Population, Design], ...] = (
     ("1 finger, 3 repeats", Population(mean=1.6, repeat=0.02), _alone(3)),
     ("4 persons, 1 to 4 repeats", Population(mean=1.6, person=0.1, repeat=0.02), _alone(1, 2, 4, 3)),
     ("8 persons, 5 repeats", Population(mean=1.6, person=0.1, repeat=0.04), _alone(*8 * (5,))),
-    (
-        "4 persons, 3 sessions of 2",
-        Population(mean=1.6, person=0.1, session=0.03, repeat=0.02),
-        4 * (((2, 2, 2),),),
-    ),
+    ("4 persons, 3 sessions of 2", Population(1.6, 0.1, session=0.03, repeat=0.02), 4 * (((2, 2, 2),),)),
 )
 
 

@@ -47,11 +47,9 @@ def report() -> None:
             ]
             rows.append(_cells(look, "hold, each alone", alone, press.gross_area[held]))
             speeds.append(f"{look} {len(results) / spent:.0f}")
-    table(
-        ("look", "phase", "frames", "mean error of the area", "spread", "step to step"),
-        rows,
-        f"A press and release to 2 N, {times.size} frames at {PPI:.0f} ppi, light flickering by 2 %",
-    )
+    head = "look", "phase", "frames", "mean error of the area", "spread", "step to step"
+    title = f"A press and release to 2 N, {times.size} frames at {PPI:.0f} ppi, light flickering by 2 %"
+    table(head, rows, title)
     print(f"\nFrames a second, learning included: {', '.join(speeds)}.")
 
 

@@ -16,11 +16,11 @@ import mujoco
 import numpy as np
 
 from benchmarks.arrays import Array
+from benchmarks.simulated import PLACED
 from benchmarks.tables import percent, table
-from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
+from fingerpad import Tissue, solve_contact
 from fingerpad.simulator import SimulatorLaw, export_finger, simulator_law
 
-PLACE: Final = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
 MASS: Final = 0.1
 TARGETS: Final = ("pressure by depth", "Newton `kh`", "Drake", "MuJoCo")
 _LOADS: Final = 10
@@ -63,9 +63,9 @@ class Row(NamedTuple):
 
 def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
     """Return what each simulator makes of a pad, at some loads."""
-    law = simulator_law(PLACE, pad.tissue, pad.loads)
+    law = simulator_law(PLACED, pad.tissue, pad.loads)
     indentation = np.interp(np.geomspace(*pad.loads, count), law.load, law.indentation)
-    solved = [solve_contact(PLACE, pad.tissue, indentation=depth) for depth in indentation]
+    solved = [solve_contact(PLACED, pad.tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
     kh, pressures = law.newton_kh().kh, law.pressure_by_depth()
     found = []
@@ -84,7 +84,7 @@ def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
         rows["Drake"] = Row(drake, load, section / area)
         loads = np.geomspace(*pad.loads, count)
         rested = _mujoco(Path(folder), loads)
-    held = np.array([float(solve_contact(PLACE, pad.tissue, indentation=depth).load) for depth in rested])
+    held = np.array([float(solve_contact(PLACED, pad.tissue, indentation=depth).load) for depth in rested])
     rows["MuJoCo"] = Row(loads, held, np.full(count, np.nan))
     return rows
 
@@ -93,7 +93,7 @@ def _overlap(indentation: float) -> tuple[Array, float]:
     """Return depths of overlap with the plate, m, and the area of a cell, m²."""
     reach = 8.0 * np.sqrt(indentation)
     side = np.linspace(-reach, reach, _CELLS)
-    gap = PLACE.gap.height(*np.meshgrid(side, side, indexing="ij"))
+    gap = PLACED.gap.height(*np.meshgrid(side, side, indexing="ij"))
     depth: Array = np.maximum(indentation - np.nan_to_num(gap, nan=np.inf), 0)
     return depth * 1e-3, float(side[1] - side[0]) ** 2 * 1e-6
 
@@ -112,12 +112,12 @@ def _mujoco(folder: Path, loads: Array) -> list[float]:
 
 def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, Array]:
     """Return loads and areas, by Drake where it is installed."""
-    height = float(PLACE.normal @ PLACE.point)
+    height = float(PLACED.normal @ PLACED.point)
     try:
         import pydrake.all as drake  # noqa: PLC0415 (it need not be installed)
     except ImportError:
         mesh = law.mesh()
-        area, extent = mesh.sections(PLACE.normal, height - indentation)
+        area, extent = mesh.sections(PLACED.normal, height - indentation)
         return law.drake_modulus(mesh).modulus * extent * 1e-6, area
     builder = drake.DiagramBuilder()
     plant, _ = drake.AddMultibodyPlantSceneGraph(builder, 0.0)
@@ -126,9 +126,8 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, 
     rigid = drake.ProximityProperties()
     drake.AddRigidHydroelasticProperties(rigid)
     drake.AddContactMaterial(friction=drake.CoulombFriction(0, 0), properties=rigid)
-    plant.RegisterCollisionGeometry(
-        plant.world_body(), drake.RigidTransform(), drake.HalfSpace(), "plate", rigid
-    )
+    world, middle = plant.world_body(), drake.RigidTransform()
+    plant.RegisterCollisionGeometry(world, middle, drake.HalfSpace(), "plate", rigid)
     plant.Finalize()
     context = builder.Build().CreateDefaultContext()
     own = plant.GetMyMutableContextFromRoot(context)
@@ -136,8 +135,7 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, 
     turned = plant.GetFreeBodyPose(own, link).rotation()
     found = []
     for depth in indentation:
-        place = drake.RigidTransform(turned, [0, 0, (height - depth) / 1000])
-        plant.SetFreeBodyPose(own, link, place)
+        plant.SetFreeBodyPose(own, link, drake.RigidTransform(turned, [0, 0, (height - depth) / 1000]))
         contact = plant.get_contact_results_output_port().Eval(own).hydroelastic_contact_info(0)
         found.append((contact.F_Ac_W().translational()[2], contact.contact_surface().total_area() * 1e6))
     loads, areas = np.abs(np.array(found)).T
@@ -160,7 +158,7 @@ def _cells() -> Iterator[tuple[str, ...]]:
         low, high = pad.loads
         elements = "no bone"
         if not pad.tissue.is_deep:
-            ratio = simulator_law(PLACE, pad.tissue, pad.loads).finite_elements().load_ratio
+            ratio = simulator_law(PLACED, pad.tissue, pad.loads).finite_elements().load_ratio
             elements = f"× {ratio[0]:.2f} to {ratio[-1]:.2f}"
         errors = (percent(row.error) for row in rows.values())
         area = f"× {rows['Newton `kh`'].area:.2f}"

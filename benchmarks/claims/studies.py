@@ -35,20 +35,13 @@ def study_coverage(repeats: int, first_seed: int) -> dict[str, tuple[float, floa
     """Return coverage and bias (in stated uncertainties) of radii and modulus."""
     *scores, random = np.array([simulated_study(first_seed + k) for k in range(repeats)], dtype=float).T
     words = "corrected radius of one contact", "E* of one contact", "pooled radius, inverse variance"
-    found = {
-        name: (float(np.mean(np.abs(off) < 1.96)), off.mean())
-        for name, off in zip(words, scores, strict=True)
-    }
-    return found | {"pooled radius, random effects": (random.mean(), 0.0)}
+    shares = ((float(np.mean(np.abs(off) < 1.96)), off.mean()) for off in scores)
+    return dict(zip(words, shares, strict=True)) | {"pooled radius, random effects": (random.mean(), 0.0)}
 
 
 def report(repeats: int = 400, first_seed: int = 0) -> None:
     """Print coverage and bias."""
-    table(
-        ("quantity", "held by the 95 % interval", "bias, in stated uncertainties"),
-        (
-            (name, f"{100 * held:.1f} %", f"{bias:+.2f}")
-            for name, (held, bias) in study_coverage(repeats, first_seed).items()
-        ),
-        f"{repeats:,} simulated studies of one pad under five loads",
-    )
+    found = study_coverage(repeats, first_seed)
+    rows = ((name, f"{100 * held:.1f} %", f"{bias:+.2f}") for name, (held, bias) in found.items())
+    head = "quantity", "held by the 95 % interval", "bias, in stated uncertainties"
+    table(head, rows, f"{repeats:,} simulated studies of one pad under five loads")

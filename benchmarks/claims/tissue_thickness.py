@@ -49,27 +49,22 @@ def loading_of(placement: Placement, tissue: Tissue, area: Array, lowest: float 
 def _slope(x: Array, y: Array) -> Array:
     """Return the slope of y on x over the first axis, by least squares."""
     deviation = x - x.mean(axis=0)
-    slope: Array = np.sum(deviation * y, axis=0) / np.sum(deviation**2, axis=0)
-    return slope
+    return np.sum(deviation * y, axis=0) / np.sum(deviation**2, axis=0)
 
 
 def line(name: str, lowest: float = 0.0) -> Callable[[Placement, Tissue, Array], Array]:
     """Return R_g read as the slope of a line."""
 
     def read(placement: Placement, tissue: Tissue, area: Array) -> Array:
-        slope: Array = getattr(loading_of(placement, tissue, area, lowest), name)
-        return slope
+        return getattr(loading_of(placement, tissue, area, lowest), name)
 
     return read
 
 
-def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: Array) -> Array:
-    """Return R_g read as A/(πξ)."""
-    return fast_contact(placement, tissue, area=area).area_over_pi_indentation
-
-
-LINES = ("slope", "slope_through_origin")
-READINGS = {"ratio": area_over_pi_indentation} | {name: line(name) for name in LINES}
+READINGS = {
+    "ratio": lambda *pressed: fast_contact(*pressed[:2], area=pressed[2]).area_over_pi_indentation,
+    **{name: line(name) for name in ("slope", "slope_through_origin")},
+}
 
 
 def placed(method: str, wedge: PublishedWedge) -> Placement:

@@ -51,9 +51,7 @@ class Truth:
     curvature: float = 1.0  # radius of the pressed pad over that of its photographs
     area_power: float = 0.0  # extra exponent of the area's growth with load
     falls_above: float = np.inf  # load above which the area falls with it, N
-    elongation: float | None = (
-        None  # ln of the length along the finger over that across, if not Hertz theory's
-    )
+    elongation: float | None = None  # ln of length along the finger over across, if not Hertz theory's
     loads: tuple[float, ...] = LOADS
     repeats: int = 1  # contacts at each load
     press_std: float = 0.0  # relative, of the areas of presses under one load
@@ -230,11 +228,9 @@ def report(repeats: int = 200, curve_repeats: int = 30) -> None:
         yield from (share(studies["verdict"] == word) for word in VERDICTS)
         yield from (f"{share(studies[key])} ({share(studies[f'{key} without'])})" for key in HEADLINES)
 
-    table(
-        ("truth", "studies", *VERDICTS, "A/(πξ): held (without the model's part)", "E", "ξ"),
-        ((name, len(studies), *cells(studies)) for name, studies in found.items()),
-        "Verdicts on studies of four loads each, and intervals at the highest load",
-    )
+    head = "truth", "studies", *VERDICTS, "A/(πξ): held (without the model's part)", "E", "ξ"
+    rows = ((name, len(studies), *cells(studies)) for name, studies in found.items())
+    table(head, rows, "Verdicts on studies of four loads each, and intervals at the highest load")
     p_values = np.concatenate([p for name in HOLDING for p in found[name]["p_values"]])
     below = [f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)]
     print(f"\nOf p where the model holds, {', '.join(below)}.")

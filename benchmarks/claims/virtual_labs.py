@@ -22,7 +22,7 @@ def run_lab(seed: int, out: Path) -> list[Comparison]:
     done = subprocess.run(command, capture_output=True, text=True, env=one_core, check=False)
     if not (folder / "results/summary.json").is_file():
         raise RuntimeError(f"seed {seed}: exit code {done.returncode}: {(done.stdout + done.stderr)[-500:]}")
-    return compare(truth, folder / "results")
+    return list(compare(truth, folder / "results"))
 
 
 def report(labs: int = 24, first_seed: int = 300, jobs: int = 1) -> None:

@@ -7,8 +7,8 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.derive.fit import Compared, Problem
+from benchmarks.tables import or_none
 from benchmarks.truth.coins import KINDS, scene
-from fingerpad.exceptions import CalibrationError
 from fingerpad.image import coin as coin_module
 from fingerpad.image import measure_coin
 from fingerpad.image.coin import COIN_EDGE
@@ -29,12 +29,9 @@ def sample(count: int, seed: int) -> list[Seen]:
     for kind in KINDS:
         for number in range(count):
             photograph = scene(kind, 1000 * seed + number)
-            try:
-                with patch.object(coin_module, "_coin", lambda *given: given):
-                    found: Any = measure_coin(photograph.pixels)
-            except CalibrationError:
-                continue
-            if abs(coin_module._coin(*found).semi_major / photograph.semi_major - 1) < _NEAR:
+            with patch.object(coin_module, "_coin", lambda *given: given):
+                found: Any = or_none(measure_coin, photograph.pixels)
+            if found and abs(coin_module._coin(*found).semi_major / photograph.semi_major - 1) < _NEAR:
                 coins.append(Seen(found, photograph.semi_major))
     return coins
 

@@ -8,9 +8,10 @@ images of each condition.
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.arrays import Array
 from benchmarks.claims.contact_areas import sharp
@@ -28,14 +29,7 @@ from fingerpad.image.scale import Scale
 MODEL = EDGE
 
 
-class Seen(NamedTuple):
-    """Of one image: its set, the true displacement of its outline, periods, and what the model looks at."""
-
-    name: str
-    displacement: float
-    thinning: float
-    outside: float
-    beyond: float
+_SIGNS: Final = ["thinning", "outside", "beyond"]
 
 
 def images(count: int, seed: int) -> Iterator[tuple[str, TrueImage]]:
@@ -46,8 +40,11 @@ def images(count: int, seed: int) -> Iterator[tuple[str, TrueImage]]:
         yield name, image
 
 
-def look(name: str, image: TrueImage) -> Seen | None:
-    """Return what the edge model sees in an image, None where there is no contact with ridges."""
+def look(name: str, image: TrueImage) -> dict[str, Any] | None:
+    """Return the set of an image, the true displacement of its outline, periods, and what the model looks at.
+
+    None where there is no contact with ridges.
+    """
     view = view_of(image.pixels, Scale(image.mm_per_px))
     ridges = find_ridges(view, None)
     try:
@@ -61,42 +58,31 @@ def look(name: str, image: TrueImage) -> Seen | None:
     length = float(outline.steps.sum())
     lacks = image.gross_area / (view.step * image.mm_per_px) ** 2 - abs(signed_area(outline.points))
     displacement = (math.sqrt(max(length**2 + 4 * math.pi * lacks, 0.0)) - length) / (2 * math.pi)
+    # Where a contact is not found whole, nothing is learned of its edge.
+    found = {"name": name, "displacement": np.clip(displacement / outline.period, -0.6, 1.2)}
     beyond = max(shown.beyond - EDGE.hardly, 0.0)
-    return Seen(name, displacement / outline.period, shown.thinning, shown.outside, beyond)
+    return found | {"thinning": shown.thinning, "outside": shown.outside, "beyond": beyond}
 
 
-def fit(seen: list[Seen]) -> Array:
+def fit(seen: pd.DataFrame) -> Array:
     """Return the shift without signs of fading, and what each sign adds to it; sets weigh alike."""
-    names = [one.name for one in seen]
-    weights = np.array([1 / math.sqrt(names.count(name)) for name in names])[:, None]
-    design, displacements = weights * _design(seen), weights[:, 0] * _displacements(seen)
-    found = np.asarray(np.linalg.lstsq(design, displacements, rcond=None)[0], dtype=np.float64)
+    weights = 1 / np.sqrt(seen.groupby("name")["name"].transform("size").to_numpy())
+    design = weights[:, None] * np.column_stack([np.ones(len(seen)), seen[_SIGNS]])
+    found: Array = np.linalg.lstsq(design, weights * seen["displacement"], rcond=None)[0]
     errors = _errors_by_set(seen, found)
     found[0] -= (max(errors.values()) + min(errors.values())) / 2
     return found
 
 
-def _design(seen: list[Seen]) -> Array:
-    return np.array([(1.0, one.thinning, one.outside, one.beyond) for one in seen])
-
-
-def _displacements(seen: list[Seen]) -> Array:
-    # Where a contact is not found whole, nothing is learned of its edge.
-    return np.array([one.displacement for one in seen]).clip(-0.6, 1.2)
-
-
-def _errors_by_set(seen: list[Seen], found: Array) -> dict[str, float]:
-    errors = _design(seen) @ found - _displacements(seen)
-    names = np.array([one.name for one in seen])
-    return {name: float(errors[names == name].mean()) for name in dict.fromkeys(names.tolist())}
+def _errors_by_set(seen: pd.DataFrame, found: Array) -> dict[str, float]:
+    errors = found[0] + seen[_SIGNS] @ found[1:] - seen["displacement"]
+    return dict(errors.groupby(seen["name"], sort=False).mean())
 
 
 def show(count: int, seed: int, other: int) -> None:
     """Print the fit, and the mean error of each set where it is left out of the fit, and on other images."""
-    seen, unseen = (
-        [one for one in (look(*image) for image in images(count, each)) if one is not None]
-        for each in (seed, other)
-    )
+    looked = ([look(*image) for image in images(count, each)] for each in (seed, other))
+    seen, unseen = (pd.DataFrame([one for one in some if one is not None]) for some in looked)
     found = fit(seen)
     print("    sharp, by_thinning, by_outside, by_beyond")
     print("fitted", np.round([found[0] - EDGE.ends, *found[1:]], 3))
@@ -105,6 +91,5 @@ def show(count: int, seed: int, other: int) -> None:
     print("Mean errors in periods, outward: left out of the fit; on other images fitted, in use")
     fitted, used = _errors_by_set(unseen, found), _errors_by_set(unseen, in_use)
     for name in fitted:
-        rest = fit([one for one in seen if one.name != name])
-        left_out = _errors_by_set([one for one in seen if one.name == name], rest)[name]
+        left_out = _errors_by_set(seen, fit(seen[seen["name"] != name]))[name]
         print(f"    {name:<15} {left_out:+.3f}   {fitted[name]:+.3f} {used[name]:+.3f}")

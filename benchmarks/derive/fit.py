@@ -58,19 +58,15 @@ def names() -> list[str]:
 
 def meanings(model: Any) -> dict[str, str]:
     """Return the comment behind each field of a model: its unit and meaning."""
-    found = re.findall(r"^    (\w+): .*?  # (.*)$", inspect.getsource(type(model)), re.MULTILINE)
-    return dict(found)
+    return dict(re.findall(r"^    (\w+): .*?  # (.*)$", inspect.getsource(type(model)), re.MULTILINE))
 
 
 def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
     """Fit the fields of a model to a sample; resample its images for the errors of the values."""
     model, error = problem.model, dict[str, float]()
     rng = np.random.default_rng(seed)
-    for names_of, method in (
-        (problem.places, _least_squares),
-        (problem.tuned, _scoring),
-        (problem.stds, _likelihood),
-    ):
+    ways = (problem.places, _least_squares), (problem.tuned, _scoring), (problem.stds, _likelihood)
+    for names_of, method in ways:
         if names_of:
             model, spread = method(problem, model, sample, names_of, rng)
             error |= dict(zip(names_of, spread.tolist(), strict=True))
@@ -80,10 +76,6 @@ def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
 def changed(model: Any, fields: tuple[str, ...], values: Array) -> Any:
     """Return a model with other values in some fields."""
     return replace(model, **dict(zip(fields, values.tolist(), strict=True)))
-
-
-def _values(model: Any, fields: tuple[str, ...]) -> Array:
-    return np.array([getattr(model, each) for each in fields], dtype=np.float64)
 
 
 def _least_squares(
@@ -115,7 +107,7 @@ def _least_squares(
 
 def _scaled(model: Any, fields: tuple[str, ...]) -> tuple[Array, Array, Array]:
     """Return values, the unit of a change of each, and how low each may go from 1 in these units."""
-    values = _values(model, fields)
+    values = np.array([getattr(model, each) for each in fields], dtype=np.float64)
     size = np.maximum(np.abs(values), 0.05)
     return values, size, np.where(values > 0, 1 - values / size, -np.inf)
 
@@ -157,8 +149,7 @@ def _likelihood(
 
     They are of independent effects: the variance stated is linear in the square of each.
     """
-    start = _values(model, fields)
-    size = np.maximum(np.abs(start), 0.05)
+    start, size, _ = _scaled(model, fields)
     errors, _ = problem.compare(model, sample)
     zeros = np.zeros(len(fields))
     rest, *alone = (

@@ -4,7 +4,6 @@
 of thick layers and the limits of thin ones are known; least squares find the rest.
 """
 
-import argparse
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,13 +72,9 @@ def solved(rows: Array, *, is_pad: bool) -> Solved:
 
 def pads(rows: Array) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
-    return solved(rows[_is_near(rows)], is_pad=True)
-
-
-def _is_near(rows: Array) -> Array:
     k, _, _ = solve_contact_ellipse(*kept_pads(rows).curvature.principal_radii)
     size = np.sqrt(rows[:, 8] / np.pi) / rows[:, 5]
-    return (size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))
+    return solved(rows[(size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))], is_pad=True)
 
 
 def circles() -> tuple[Array, ...]:
@@ -97,8 +92,7 @@ def least_largest(columns: Array, target: Array, weight: Array) -> Array:
         solution = np.linalg.lstsq(columns / scale * rising[:, None], target * rising, rcond=1e-12)[0]
         error = np.abs(columns / scale @ solution - target) * weight
         rising *= np.sqrt(0.5 + error / error.max())
-    coefficients: Array = solution / scale
-    return coefficients
+    return solution / scale
 
 
 def _logarithms(eta: Array) -> Array:
@@ -224,11 +218,6 @@ def sphere_series() -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _sphere(coefficients: Array, w: Array) -> Array:
-    value: Array = sum(c * w ** (j + 1) for j, c in enumerate(coefficients))
-    return value
-
-
 def fit_pads(found: Solved) -> None:
     """Find the coefficients of the ellipsoid, from contacts on deep tissue."""
     w, p, m, cross, M = pad_numbers(found)
@@ -238,7 +227,8 @@ def fit_pads(found: Solved) -> None:
     law.PAD = {}
     columns = np.stack([p, p * s, M, w * s, w * p, p * p, w * w * p, w * p * p, p**3], axis=1)
     for of, ratio in (("load", found.load), ("indentation", found.indentation)):
-        law.PAD[of] = least_largest(columns, np.log(ratio) - _sphere(law.SPHERE[of], w), one)
+        sphere = sum(c * w ** (j + 1) for j, c in enumerate(law.SPHERE[of]))
+        law.PAD[of] = least_largest(columns, np.log(ratio) - sphere, one)
     terms = w, p, w * s, w * w, w * p, p * p, M, w * w * p, w * p * p, p**3
     law.PAD_PEAK = least_largest(np.stack(terms, axis=1), found.peak - 1, one)
     terms = m, m * s, e * w, e * w * s, e * p, m * w, m * p, e * w * w, e * w * p, e * p * p
@@ -258,7 +248,11 @@ def fit_both(found: Solved) -> None:
     s, e, x = found.slenderness, found.elongation, found.size
     layer = LayerFactors(np.ones(x.size), found.poisson_ratio, s)
     u, one = layer.size(x), np.ones(x.size)
-    pad = _pad(found)
+    gap, stretch = found.gap, np.where(e > 0, 1 / found.k, found.k)
+    skewness = gap.first_skewness, gap.second_skewness
+    pad = PadFactors(
+        gap.first_radius, gap.second_radius, *skewness, gap.flatness, stretch=stretch, elongation=e
+    )
     products = np.stack([each * u ** (j + 1) for j in range(3) for each in (w, p, M, w * w, w * p)], axis=1)
     for of, target in (("load", found.load), ("indentation", found.indentation)):
         rest = np.log(target / layer.value(of, x)) - pad.value(of, found.radius, None)
@@ -275,24 +269,10 @@ def fit_both(found: Solved) -> None:
     law.BOTH_PEAK = least_largest(products, rest, one).reshape(3, 5)
 
 
-def _pad(found: Solved) -> PadFactors:
-    gap = found.gap
-    return PadFactors(
-        gap.first_radius,
-        gap.second_radius,
-        gap.first_skewness,
-        gap.second_skewness,
-        gap.flatness,
-        stretch=np.where(found.elongation > 0, 1 / found.k, found.k),
-        elongation=found.elongation,
-    )
-
-
 def fit_guesses() -> None:
     """Find where Newton's method begins."""
-    size, nu, load, depth, _ = (each for each in circles())
-    inside = size < 3.5
-    size, nu, load, depth = size[inside], nu[inside], load[inside], depth[inside]
+    every = np.array(circles())
+    size, nu, load, depth, _ = every[:, every[0] < 3.5]
     law.GUESS = {}
     for name, factor, power, first in (("load", load, 3, 3), ("indentation", depth, 2, 1)):
         hertz = size * factor ** (1 / power)
@@ -349,12 +329,8 @@ def _text(value: Array, indent: str) -> str:
 def coefficients() -> dict[str, Array]:
     """Return a copy of all coefficients that the laws use now, by name."""
     values = {name: getattr(law, name) for name in _MEANINGS}
-    return {
-        name: np.concatenate([np.ravel(each) for each in value.values()])
-        if isinstance(value, dict)
-        else np.array(value).ravel()
-        for name, value in values.items()
-    }
+    parts = {name: [*one.values()] if isinstance(one, dict) else [one] for name, one in values.items()}
+    return {name: np.concatenate([np.ravel(each) for each in some]) for name, some in parts.items()}
 
 
 def fit_all() -> None:
@@ -383,6 +359,5 @@ def show(images: int, seed: int, other: int) -> None:  # noqa: ARG001 - the solv
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(description="Fit all coefficients again and write them to the code.").parse_args()
     fit_all()
     write()

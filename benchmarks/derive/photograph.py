@@ -54,11 +54,8 @@ def _arcs(count: int, seed: int) -> Iterator[SeenFace]:
             found = photographs.measure(ellipse, marked=marked)
             if found is not None:
                 yield SeenFace(found._arc, np.asarray(ellipse.semi_axes))
-    for place, kind in enumerate(outlines.KINDS):
-        for number in range(4 * count):
-            face = outlines.FACES[number % 3]
-            points, semi_axes = outlines.draw(kind, face, np.random.default_rng([seed, place, number]))
-            yield SeenFace(_arc(face, points, fit_aligned_ellipse(points).ellipse), semi_axes)
+    for _, face, points, semi_axes in outlines.drawn(4 * count, seed):
+        yield SeenFace(_arc(face, points, fit_aligned_ellipse(points).ellipse), semi_axes)
 
 
 @lru_cache(maxsize=2)

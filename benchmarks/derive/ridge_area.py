@@ -12,8 +12,8 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.derive.fit import Compared, Problem
+from benchmarks.tables import or_none
 from benchmarks.truth.image_sets import images
-from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import result, ridges
 from fingerpad.image.contact_image.calibration import RIDGE_AREA, RIDGE_LEVEL, RidgeAreaError, RidgeLevel
@@ -43,9 +43,7 @@ def sample(count: int, seed: int) -> list[Seen]:
     for _, _, image in images(count, seed):
         view = view_of(image.pixels, Scale(image.mm_per_px))
         rough = ridges.find_ridges(view, None)
-        try:
-            region = find_region(view, rough, None)
-        except ImageError:
+        if (region := or_none(find_region, view, rough, None)) is None:
             continue
         edge = trace_edge(view, rough, region)
         area = polygon_moments(view.to_picture(edge.points)).area

@@ -36,13 +36,11 @@ RESULTS_TESTS: Final = (
     "compare curves export layer methods corrected outline_radius pipeline pooling repeats "
     "result_set rows table validity"
 )
-PACKAGES: Final = {
-    **{name: (f"src/fingerpad/{name}", [f"tests/{name}"]) for name in ("geometry", "contact")},
-    **{name: (f"src/fingerpad/{name}", [f"tests/{name}"]) for name in ("uncertainty", "loading")},
-    "results": (
-        "src/fingerpad/study/results", [f"tests/study/test_{name}.py" for name in RESULTS_TESTS.split()]
-    ),
-}  # fmt: skip
+_OF_RESULTS = [f"tests/study/test_{name}.py" for name in RESULTS_TESTS.split()]
+_ALONE: Final = "geometry", "contact", "uncertainty", "loading"
+PACKAGES: Final = {name: (f"src/fingerpad/{name}", [f"tests/{name}"]) for name in _ALONE} | {
+    "results": ("src/fingerpad/study/results", _OF_RESULTS)
+}
 # What two operators replace each other within a row: between rows most mutants fail at once.
 _ROWS: Final = ("Add Sub Mul Div FloorDiv Mod Pow", "BitOr BitAnd", "Eq NotEq Lt LtE Gt GtE", "Is IsNot")
 _SINGLE: Final = (
@@ -67,11 +65,9 @@ def _spared(path: Path) -> list[tuple[Place, Place]]:
     for node in ast.walk(ast.parse(source)):
         parts = [getattr(node, "annotation", None), getattr(node, "returns", None)]
         parts += getattr(node, "decorator_list", [])
-        if isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
-            parts.append(node)
-        if isinstance(node, ast.FunctionDef) and node.name.startswith(
-            ("__repr", "__str", "_repr", "summary")
-        ):
+        name = node.name if isinstance(node, ast.FunctionDef) else ""
+        in_words = name.startswith(("__repr", "__str", "_repr", "summary"))
+        if in_words or isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
             parts.append(node)
         for part in filter(None, parts):
             ends = (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
@@ -160,12 +156,9 @@ def print_score(name: str, session: Path) -> None:
 
 def main() -> None:
     """Draw and test mutants, keep what became of them, and print the score of each package."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.robustness.mutation_testing", description=main.__doc__
-    )
-    parser.add_argument(
-        "packages", nargs="*", default=[*PACKAGES], metavar="package", help=", ".join(PACKAGES)
-    )
+    parser = argparse.ArgumentParser(prog=f"python -m {__spec__.name}", description=main.__doc__)
+    names = ", ".join(PACKAGES)
+    parser.add_argument("packages", nargs="*", default=[*PACKAGES], metavar="package", help=names)
     parser.add_argument("--count", type=int, default=80, help="mutants of each package (default: 80)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("build/mutants"), help="folder of what was found")

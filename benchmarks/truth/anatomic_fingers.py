@@ -9,7 +9,6 @@ read.
 """
 
 import math
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -19,7 +18,7 @@ import numpy as np
 
 from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.fingertips import ROUGHNESS_MM, cover, even, leaning, normals
-from benchmarks.truth.true_image import jpeg
+from benchmarks.truth.true_image import jpeg, named_rng
 from fingerpad.image import Face
 
 Support = Callable[[Array], Array]
@@ -169,10 +168,7 @@ def _photograph(rng: Rng, parts: tuple[Array, Array, Array | None], face: Face, 
     tip, shaft, nail = parts
     turn = leaning(rng)
     seen = [part @ turn for part in (tip, shaft)]
-    low, high = (
-        np.min([p.min(axis=0) for p in seen], axis=0) - 5,
-        np.max([p.max(axis=0) for p in seen], axis=0) + 5,
-    )
+    low, high = np.concatenate(seen).min(axis=0) - 5, np.concatenate(seen).max(axis=0) + 5
     if face != "distal":
         low[1] += 8.0  # the finger leaves the frame below
     columns, rows = (int(n) for n in np.ceil((high - low) / scale))
@@ -216,8 +212,4 @@ def _rough(rng: Rng, outline: Array) -> Array:
 
 def fingers(count: int, seed: int) -> list[AnatomicFinger]:
     """Return this many fingers of each kind."""
-    return [
-        draw(name, np.random.default_rng([seed, zlib.crc32(name.encode()), number]))
-        for name in NAMES
-        for number in range(count)
-    ]
+    return [draw(name, named_rng(seed, name, number)) for name in NAMES for number in range(count)]

@@ -36,9 +36,6 @@ class Scene(NamedTuple):
 class Disc(NamedTuple):
     """Where a disc lies on the table, its thickness, its hole, and what it is made of."""
 
-    x: float
-    y: float
-    size: float
     thickness: float
     hole: float
     rounding: float
@@ -47,6 +44,9 @@ class Disc(NamedTuple):
     relief: float
     letters: int
     seed: int
+    x: float = 0.0
+    y: float = 0.0
+    size: float = 1.0
 
 
 class Lamps(NamedTuple):
@@ -142,9 +142,6 @@ def _imaged_circle(origin: Array, disc: Disc, rays: Array) -> tuple[tuple[float,
 def _a_disc(kind: str, rng: Rng) -> Disc:
     washer = kind == "washer on a prism" or (kind == "texture" and rng.random() < 0.3)
     return Disc(
-        x=0.0,
-        y=0.0,
-        size=1.0,
         thickness=rng.uniform(0.06, 0.2),
         hole=rng.uniform(0.3, 0.62) if washer else 0.0,
         rounding=rng.uniform(0.01, 0.03) if washer else rng.uniform(0.005, 0.02),
@@ -274,7 +271,7 @@ def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
     shifts = lamps.parts[:, :2] * disc.thickness / lamps.parts[:, 2:]
     distance = np.hypot(x, y)
     reached = distance < disc.size + np.linalg.norm(shifts, axis=1).max()
-    beside = distance
+    gap = np.abs(distance - disc.size)
     x, y, distance = x[reached], y[reached], distance[reached]
     for dx, dy in shifts:
         along = np.clip(-(x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0, 1)
@@ -283,7 +280,6 @@ def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
         if disc.hole:
             dark &= np.maximum(distance, np.hypot(x + dx, y + dy)) >= disc.hole
         hidden[reached] += dark / len(lamps.parts)
-    gap = np.abs(beside - disc.size)
     # A long wall hides half the sky at its foot, and gives back what the metal mirrors of the table.
     sky = 1 - 0.5 * (1 - disc.metal) * (1 - gap / np.hypot(gap, disc.thickness))
     return lamps.direct * (1 - hidden) + (1 - lamps.direct) * sky

@@ -7,7 +7,6 @@ for minutiae. The truth is counted on a grid at least four times finer than the 
 spreads, and contact too faint to see count as errors of the measurement.
 """
 
-import zlib
 from dataclasses import dataclass
 from functools import partial
 
@@ -128,21 +127,13 @@ def _share(pressure: Array) -> Array:
     return np.minimum(2 / np.pi * np.arcsin(np.sqrt(np.minimum(pressure, 1))), _WIDEST)
 
 
-def _beside(crest: Array, beyond: Array, c: Condition) -> Array:
-    """Return what is seen so many mm beyond the contact, where nothing touches."""
-    lifted = c.lifted * (1 + np.cos(np.pi * crest)) / 2 * np.exp(-(beyond**1.5) / 0.8)
-    return np.asarray(np.maximum(lifted, c.halo * np.exp(-beyond)), np.float32)
-
-
-def _picture(skin: tuple[Array, Array], step: float, binning: int, c: Condition, rng: Rng) -> Array:
+def _picture(touching: Array, beside: Array, step: float, binning: int, c: Condition, *, rng: Rng) -> Array:
     """Return the image, 0 to 1, of the touching ridges and of what is seen beside them."""
 
     def blurred(field: Array, sigma: float) -> Array:
         return cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3))
 
-    touching, beside = skin
-    shape = touching.shape
-    density = touching.astype(np.float32)
+    shape, density = touching.shape, touching.astype(np.float32)
     spread = rng.uniform(*c.spread)
     if spread:
         inside = cv2.distanceTransform((density > 0).astype(np.uint8), cv2.DIST_L2, 3)
@@ -175,10 +166,8 @@ def _picture(skin: tuple[Array, Array], step: float, binning: int, c: Condition,
     return grey + c.sharpen * (grey - cv2.GaussianBlur(grey, (0, 0), 1.2))
 
 
-def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
+def render(rng: Rng, c: Condition) -> TrueImage:
     """Make an image of a condition."""
-    c = CONDITIONS[name]
-    rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
     area, aspect, pixel = rng.uniform(*c.area), rng.uniform(1.05, 1.55), rng.uniform(*c.pixel)
     semi_axes = float(np.sqrt(area * aspect / np.pi)), float(np.sqrt(area / aspect / np.pi))
     binning = max(4, int(np.ceil(pixel / _FINEST)))
@@ -192,6 +181,9 @@ def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
         rng, crest < 0.3, step, c.pores,
         radius=(0.03, 0.06), creases=lambda: rng.poisson(1), length=(2, 6), width=(0.06, 0.15),
     )  # fmt: skip
+    # what is seen beside the contact, so many mm beyond it
     beyond = np.maximum(np.sqrt(level) - 1, 0) * np.sqrt(area / np.pi)
-    pixels = eight_bit(_picture((touching, _beside(crest, beyond, c)), step, binning, c, rng), c.jpeg)
+    lifted = c.lifted * (1 + np.cos(np.pi * crest)) / 2 * np.exp(-(beyond**1.5) / 0.8)
+    beside = np.asarray(np.maximum(lifted, c.halo * np.exp(-beyond)), np.float32)
+    pixels = eight_bit(_picture(touching, beside, step, binning, c, rng=rng), c.jpeg)
     return TrueImage(pixels, pixel, area, float(touching.sum() * step**2), semi_axes)

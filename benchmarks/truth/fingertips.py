@@ -55,9 +55,8 @@ def cover(outlines: list[Array], corner: tuple[float, float], shape: tuple[int, 
     fine = 4
     canvas = np.zeros((shape[0] * fine, shape[1] * fine), np.uint8)
     for outline in outlines:
-        places = (
-            np.stack([outline[:, 0] - corner[0], corner[1] - outline[:, 1]], axis=-1) / scale * fine - 0.5
-        )
+        from_corner = np.stack([outline[:, 0] - corner[0], corner[1] - outline[:, 1]], axis=-1)
+        places = from_corner / scale * fine - 0.5
         cv2.fillPoly(canvas, [np.rint(places * 16).astype(np.int32)], 255, cv2.LINE_AA, shift=4)
     small = cv2.resize(canvas, shape[::-1], interpolation=cv2.INTER_AREA)
     return np.asarray(small / 255.0, dtype=np.float64)
@@ -143,13 +142,6 @@ SHAPES: Final[dict[str, Callable[..., Array]]] = {
 }
 
 
-def _outline(radii: Array) -> Array:
-    """Return the points (x, y) of the curve with these radii of curvature at the normals of ``_PSI``."""
-    step = np.diff(_PSI)[:, None]
-    pace = radii[:, None] * np.stack([-np.sin(_PSI), np.cos(_PSI)], axis=-1)
-    return np.concatenate([np.zeros((1, 2)), np.cumsum(step * (pace[1:] + pace[:-1]) / 2, axis=0)])
-
-
 def superellipse(exponents: tuple[float, float], across: float, along: float) -> Array:
     """Return points (x, y) of a tip from right to left, with an exponent for each side."""
     t = np.linspace(0, math.pi / 2, 4001)
@@ -164,7 +156,9 @@ def render(name: str, rng: Rng, face: Face) -> ShapedFinger:
     scale = rng.uniform(0.045, 0.07)
     across, along = (rng.uniform(*limits) for limits in SIZES_MM[face])
     radii = SHAPES[name](_PSI, across, along, rng)
-    curve = _outline(radii)
+    pace = radii[:, None] * np.stack([-np.sin(_PSI), np.cos(_PSI)], axis=-1)
+    steps = np.diff(_PSI)[:, None] * (pace[1:] + pace[:-1]) / 2
+    curve = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     right = np.searchsorted(_PSI, 0.0)
     # The origin is midway between the widest places.
     curve = curve - (curve[right] + curve[-1]) / 2

@@ -4,24 +4,24 @@ Independent images have ridges by Gabor filters or the Swift-Hohenberg equation;
 pressed flat; stripes follow an orientation field.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Final
+from collections.abc import Iterable, Iterator
+from typing import Any, Final
 
 from benchmarks.truth import elastic_ridges, independent_images, stripe_images
-from benchmarks.truth.true_image import TrueImage
+from benchmarks.truth.true_image import TrueImage, named_rng
 
-# Conditions of each set, and what makes an image of one with a number and a seed.
-_SETS: Final[dict[str, tuple[Mapping[str, object], Callable[[str, int, int], TrueImage]]]] = {
-    "independent images": (independent_images.CONDITIONS, independent_images.independent_image),
-    "elastic ridges": (elastic_ridges.CONDITIONS, elastic_ridges.elastic_image),
-    "stripes": (stripe_images.CONDITIONS, stripe_images.stripe_image),
+_SETS: Final[dict[str, Any]] = {
+    "independent images": independent_images,
+    "elastic ridges": elastic_ridges,
+    "stripes": stripe_images,
 }
-CONDITIONS: Final = {name: conditions for name, (conditions, _) in _SETS.items()}
+CONDITIONS: Final[dict[str, dict[str, Any]]] = {name: module.CONDITIONS for name, module in _SETS.items()}
 
 
 def draw(name: str, condition: str, number: int, seed: int) -> TrueImage:
     """Return an image of a condition of a set; it depends on nothing else."""
-    return _SETS[name][1](condition, number, seed)
+    image: TrueImage = _SETS[name].render(named_rng(seed, condition, number), CONDITIONS[name][condition])
+    return image
 
 
 def images(

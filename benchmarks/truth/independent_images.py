@@ -4,7 +4,6 @@
 contact is seen by a device: a scanner's platen, a camera behind a prism, or ink on paper.
 """
 
-import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -13,7 +12,7 @@ from scipy import ndimage
 
 from benchmarks.arrays import Array, Range, Rng
 from benchmarks.truth.independent_ridges import Outline, RidgedContact, draw_contact, smooth_noise, stamp
-from benchmarks.truth.true_image import TrueImage
+from benchmarks.truth.true_image import TrueImage, named_rng
 
 SUBPIXEL = 0.0135
 FWHM = 2.3548
@@ -49,7 +48,6 @@ class Condition:
 _CLEAN = Condition(
     width_fade=0, contrast_fade=0, features=0, uneven=0, haze=0, dirt=0, lighting=0, noise=0.005
 )
-_BOTH_FADE = Condition(width_fade=1, contrast_fade=1)
 
 CONDITIONS: dict[str, Condition] = {
     "clean, sharp edge": _CLEAN,
@@ -74,7 +72,7 @@ CONDITIONS: dict[str, Condition] = {
     "breaks, pores and creases": Condition(features=4, uneven=1.5),
     "not an ellipse": Condition(shape=0.06),
     "Swift–Hohenberg, clean": replace(_CLEAN, growth="swift-hohenberg"),
-    "Swift–Hohenberg, both fade over 1 mm": replace(_BOTH_FADE, growth="swift-hohenberg"),
+    "Swift–Hohenberg, both fade over 1 mm": Condition("swift-hohenberg", width_fade=1, contrast_fade=1),
     "everything": Condition(
         growth="swift-hohenberg",
         shape=0.04,
@@ -110,12 +108,7 @@ def independent_images(
     """Yield ``count`` images of each condition with its name; each depends on seed, name and number only."""
     for name in conditions:
         for number in range(count):
-            yield name, independent_image(name, number, seed)
-
-
-def independent_image(name: str, number: int, seed: int) -> IndependentImage:
-    """Make an image of a condition."""
-    return render(np.random.default_rng([seed, zlib.crc32(name.encode()), number]), CONDITIONS[name])
+            yield name, render(named_rng(seed, name, number), CONDITIONS[name])
 
 
 def render(rng: Rng, condition: Condition) -> IndependentImage:

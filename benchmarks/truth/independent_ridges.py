@@ -39,9 +39,8 @@ class Outline:
 
     def radius(self, t: Array) -> Array:
         """Return s(t)."""
-        return 1 + sum(
-            (c * np.cos(k * t - phase) for k, (c, phase) in enumerate(self.terms, 2)), np.zeros_like(t)
-        )
+        terms = (c * np.cos(k * t - phase) for k, (c, phase) in enumerate(self.terms, 2))
+        return 1 + sum(terms, np.zeros_like(t))
 
     def along_across(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Return the coordinates along (distal) and across (to the right of it) for x right and y down."""
@@ -107,10 +106,8 @@ class RidgedContact:
     @cached_property
     def coefficients(self) -> tuple[Array, ...]:
         """Coefficients of the splines of ridges, loss, dip and squared pressure."""
-        fields = (self.ridges, self.loss, self.dip, self.pressure_squared)
-        return tuple(
-            ndimage.spline_filter(field, order=3, mode="mirror", output=np.float32) for field in fields
-        )
+        fields, known = (self.ridges, self.loss, self.dip, self.pressure_squared), {"mode": "mirror"}
+        return tuple(ndimage.spline_filter(field, order=3, output=np.float32, **known) for field in fields)
 
     @cached_property
     def levels(self) -> Array:
@@ -120,9 +117,7 @@ class RidgedContact:
 
     def touching(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Return where the ridges touch and the pressure, on a grid within MARGIN of the outline."""
-        rows, columns = (
-            _spline_weights(at, size) for at, size in zip((y, x), self.ridges.shape, strict=True)
-        )
+        rows, columns = map(_spline_weights, (y, x), self.ridges.shape)
         ridges, loss, dip, squared = ((columns @ (rows @ c).T).T for c in self.coefficients)
         pressure = np.sqrt(np.maximum(squared, 0))
         grown = np.minimum(pressure / np.float32(self.full_width_pressure), 1)
@@ -155,9 +150,8 @@ def _spline_weights(at: Array, size: int) -> sparse.csr_array:
     u = at / GRID_STEP + size // 2
     first = np.floor(u).astype(int)
     f = u - first
-    basis = (
-        np.stack([(1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3], axis=-1) / 6
-    )
+    parts = (1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3
+    basis = np.stack(parts, axis=-1) / 6
     places = first[:, None] + np.arange(-1, 3)
     rows = np.repeat(np.arange(at.size), 4)
     return sparse.csr_array((basis.astype(np.float32).ravel(), (rows, places.ravel())), shape=(at.size, size))
@@ -233,11 +227,10 @@ def _refined(pattern: Array, outline: Outline) -> Array:
     amplitude = np.sqrt(2 * ndimage.gaussian_filter(pattern**2, 4))
     x, y = grid_for(outline)
     scaled = pattern / (amplitude + 0.1 * amplitude.mean())
-    at = np.meshgrid(
-        y.ravel() / (2 * GRID_STEP) + pattern.shape[0] // 2,
-        x.ravel() / (2 * GRID_STEP) + pattern.shape[1] // 2,
-        indexing="ij",
+    places = (
+        one.ravel() / (2 * GRID_STEP) + size // 2 for one, size in zip((y, x), pattern.shape, strict=True)
     )
+    at = np.meshgrid(*places, indexing="ij")
     return np.asarray(ndimage.map_coordinates(scaled, at, order=3, mode="mirror"), dtype=np.float32)
 
 

@@ -57,9 +57,9 @@ class Gap:
         self.a, self.b, self.radius = a, b, radius
 
         # C from the curvature 1/(2R) along the major axis, with s = t²
-        def integral(power_a: float, power_b: float) -> float:
+        def integral(of_a: float, of_b: float) -> float:
             return float(
-                quad(lambda t: 2 / ((a * a + t * t) ** power_a * (b * b + t * t) ** power_b), 0, np.inf)[0]
+                quad(lambda t: 2 / ((a * a + t * t) ** of_a * (b * b + t * t) ** of_b), 0, np.inf)[0]
             )
 
         self.flat = integral(0.5, 0.5)
@@ -123,9 +123,8 @@ def _smooth_noise(rng: Rng, shape: Shape, size: float, octaves: int = 1) -> Arra
     return out / max(out.std(), 1e-9)
 
 
-def _grid(shape: Shape, low: float = -1) -> tuple[Array, Array]:
-    rows, columns = np.mgrid[low : 1 : shape[0] * 1j, low : 1 : shape[1] * 1j]
-    return rows, columns
+def _grid(shape: Shape, low: float = -1) -> Array:
+    return np.mgrid[low : 1 : shape[0] * 1j, low : 1 : shape[1] * 1j]
 
 
 def _light(rng: Rng, shape: Shape, strength: float = 0.5) -> Array:
@@ -133,9 +132,8 @@ def _light(rng: Rng, shape: Shape, strength: float = 0.5) -> Array:
     r, c = _grid(shape)
     turn = rng.uniform(0, 2 * np.pi)
     light = 1 + strength * rng.uniform(0.3, 1) * (np.cos(turn) * c + np.sin(turn) * r) / 1.4
-    light *= 1 + strength * rng.uniform(-0.2, 0.8) * np.exp(
-        -((r - rng.uniform(-1, 1)) ** 2 + (c - rng.uniform(-1, 1)) ** 2) / rng.uniform(0.4, 2)
-    )
+    height, far = rng.uniform(-0.2, 0.8), (r - rng.uniform(-1, 1)) ** 2 + (c - rng.uniform(-1, 1)) ** 2
+    light *= 1 + strength * height * np.exp(-far / rng.uniform(0.4, 2))
     aspect = shape[0] / shape[1]
     light *= (1 + rng.uniform(0.05, 0.45) * strength * (c * c + (r * aspect) ** 2)) ** -2
     return np.maximum(light / light.mean(), 0.08)

@@ -10,7 +10,6 @@ touches inside it, without pores, on a grid of at least four lines per pixel; sw
 Semi-axes are those of equal second moments: the ellipse's own where the outline is one.
 """
 
-import zlib
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
@@ -195,15 +194,12 @@ def _dirt(shape: tuple[int, int], step: float, density: float, rng: Rng) -> Arra
     count = rng.poisson(density * dirt.size * step**2)
     for row, column in rng.uniform(0, shape, (count, 2)):
         size = np.clip(0.05 * np.exp(rng.normal(0, 0.5)), 0.02, 0.25) / step
-        axes = (max(1, round(size)), max(1, round(size * rng.uniform(0.4, 1))))
-        cv2.ellipse(
-            dirt, (int(column), int(row)), axes, rng.uniform(0, 180), 0, 360, rng.uniform(0.2, 0.8), -1
-        )
+        at, axes = (int(column), int(row)), (max(1, round(size)), max(1, round(size * rng.uniform(0.4, 1))))
+        cv2.ellipse(dirt, at, axes, rng.uniform(0, 180), 0, 360, rng.uniform(0.2, 0.8), -1)
     for row, column in rng.uniform(0, shape, (count // 25, 2)):
         way = np.cumsum(rng.normal(0, 0.05 / step, (40, 2)) + rng.normal(0, 0.06 / step, 2), axis=0)
-        cv2.polylines(
-            dirt, [(way + np.array((column, row))).astype(np.int32)], False, 0.5, max(1, round(0.03 / step))
-        )
+        path = (way + np.array((column, row))).astype(np.int32)
+        cv2.polylines(dirt, [path], False, 0.5, max(1, round(0.03 / step)))
     return dirt
 
 
@@ -227,18 +223,8 @@ def _picture(dark: Array, step: float, binning: int, c: Condition, rng: Rng) -> 
     return grey + 0.3 * c.noise * rng.normal(size=(rows, 1)) + 0.5 * c.noise * smooth(rng, grey.shape, 0.9)
 
 
-def _equal_ellipse(inside: Array, step: float) -> Range:
-    """Return the semi-axes of the ellipse of equal second moments."""
-    moments = cv2.moments((inside > 0).astype(np.uint8), binaryImage=True)
-    mixed = [[moments["mu20"], moments["mu11"]], [moments["mu11"], moments["mu02"]]]
-    minor, major = 2 * step * np.sqrt(np.linalg.eigvalsh(mixed) / moments["m00"])
-    return float(major), float(minor)
-
-
-def stripe_image(name: str, number: int, seed: int = 0) -> TrueImage:
+def render(rng: Rng, c: Condition) -> TrueImage:
     """Make an image of a condition."""
-    c = CONDITIONS[name]
-    rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
     area, aspect, pixel = rng.uniform(*c.area), rng.uniform(1.05, 1.6), 25.4 / c.ppi
     semi = float(np.sqrt(area * aspect / np.pi)), float(np.sqrt(area / aspect / np.pi))
     binning = max(4, int(np.ceil(pixel / _FINEST)))
@@ -251,4 +237,7 @@ def stripe_image(name: str, number: int, seed: int = 0) -> TrueImage:
     pixels = eight_bit(_picture(_darkness(parts, step, c, rng), step, binning, c, rng), c.jpeg)
     within, touching = parts["inside"] > 0, parts["touching"]
     gross, ridge = (float(part.sum() * step**2) for part in (within, touching))
-    return TrueImage(pixels, pixel, gross, ridge, _equal_ellipse(parts["inside"], step))
+    moments = cv2.moments(within.astype(np.uint8), binaryImage=True)
+    second = [[moments["mu20"], moments["mu11"]], [moments["mu11"], moments["mu02"]]]
+    minor, major = 2 * step * np.sqrt(np.linalg.eigvalsh(second) / moments["m00"])
+    return TrueImage(pixels, pixel, gross, ridge, (float(major), float(minor)))

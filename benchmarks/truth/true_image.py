@@ -1,5 +1,6 @@
 """What images of contacts of known truth have in common."""
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -18,6 +19,11 @@ class TrueImage:
     gross_area: float
     ridge_area: float
     semi_axes: tuple[float, float]
+
+
+def named_rng(seed: int, name: str, number: int) -> Rng:
+    """Return random numbers that depend on nothing else."""
+    return np.random.default_rng([seed, zlib.crc32(name.encode()), number])
 
 
 def eight_bit(grey: Array, jpeg_quality: int = 0) -> Pixels:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.claims.contact_areas import compare
-from benchmarks.truth.elastic_ridges import elastic_image
+from benchmarks.truth import image_sets
 from benchmarks.truth.independent_ridges import Outline
 from numpy.testing import assert_allclose
 
@@ -25,7 +25,7 @@ def test_the_moments_of_an_outline_are_those_of_the_points_inside_it():
 
 def test_the_intervals_hold_areas_and_semi_axes():
     """On one image what `benchmarks.claims.contact_areas` measures on many, of three simulators."""
-    image = elastic_image("light touch", 1)
+    image = image_sets.draw("elastic ridges", "light touch", 1, 0)
     found = compare(image)
     assert found.held.all()
     assert abs(found.errors[0]) < 0.06

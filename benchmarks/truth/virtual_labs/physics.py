@@ -53,14 +53,10 @@ class Gap:
         plane = ((pad.palmar * normal[0]) ** q + (pad.distal * normal[1]) ** q) ** (1 / q)
         support = np.hypot(plane, pad.radial_ulnar * normal[2])
         scale = plane ** (2 - q) / support
-        point = np.array(
-            [
-                scale * pad.palmar**q * normal[0] ** (q - 1),
-                scale * pad.distal**q * normal[1] ** (q - 1),
-                pad.radial_ulnar**2 * normal[2] / support,
-            ]
+        x, y = (
+            scale * axis**q * n ** (q - 1) for axis, n in zip((pad.palmar, pad.distal), normal, strict=False)
         )
-        return point, normal, along, across
+        return np.array([x, y, pad.radial_ulnar**2 * normal[2] / support]), normal, along, across
 
     def __call__(self, along: Array, across: Array) -> Array:
         """Return the gap, infinite where the pad's outline lies inside."""
@@ -221,9 +217,8 @@ def _outline(pressure: Array, size: float) -> tuple[Array, Array]:
         radii[k] = min(real[real > steps[last]], default=steps[last] + 1.0)
     profile = np.empty(len(PROFILE_AT))
     for k, fraction in enumerate(PROFILE_AT):
-        points = np.array(
-            [row + fraction * radii * np.cos(angles), column + fraction * radii * np.sin(angles)]
-        )
+        at = fraction * radii
+        points = np.array([row + at * np.cos(angles), column + at * np.sin(angles)])
         profile[k] = ndimage.map_coordinates(pressure, points, order=1).mean()
     # Cells touch as a whole: Hertz contacts come out 0.04 cells too wide, those on a layer 0.03 to 0.07.
     return (radii - 0.045) * size, profile / profile.max()
@@ -246,14 +241,12 @@ class Law:
         """Solve contacts at depths that are even in √ξ."""
         roots = np.sqrt(deepest) * np.arange(1, steps + 1) / steps
         solved = [press(gap, root**2, thickness, poisson) for root in roots]
-        pairs = list(zip(solved, roots, strict=True))
-        values = [
-            [np.log(c.load / r**3) for c, r in pairs],
-            [np.log(c.area / r**2) for c, r in pairs],
-            [c.outline / r for c, r in pairs],
-            [c.profile for c in solved],
+        rows = [
+            (np.log(c.load / r**3), np.log(c.area / r**2), c.outline / r, c.profile)
+            for c, r in zip(solved, roots, strict=True)
         ]
-        load, area, outline, profile = (interpolate.CubicSpline(roots, one) for one in values)
+        columns = zip(*rows, strict=True)
+        load, area, outline, profile = (interpolate.CubicSpline(roots, one) for one in columns)
         return cls(load, area, outline, profile, deepest)
 
     def load(self, indentation: Array | float) -> Array:

@@ -44,14 +44,6 @@ class Device:
         return cls(kind, ppi, *look, bool(rng.random() < 0.7), ridge_width, widening)
 
 
-def contact_mask(outline: Array, rows: Array, columns: Array) -> Array:
-    """Return r over the radius of the outline at points (mm; rows down the picture, finger up)."""
-    angle = np.mod(np.arctan2(columns, -rows), 2 * np.pi)
-    closed = np.append(outline, outline[0])
-    at = np.linspace(0, 2 * np.pi, len(closed))
-    return np.hypot(rows, columns) / np.interp(angle, at, closed)
-
-
 def contact_image(
     outline: Array, profile: Array, pressure: float, device: Device, mm_per_px: float, *, rng: Rng
 ) -> tuple[Array, float]:
@@ -63,7 +55,10 @@ def contact_image(
     rows, columns = np.meshgrid(axis, axis, indexing="ij")
     turn, shift = np.radians(rng.normal(0, 1.0)), rng.uniform(-0.6, 0.6, 2)
     dr, dc = rows - shift[0], columns - shift[1]
-    rho = contact_mask(outline, np.cos(turn) * dr - np.sin(turn) * dc, np.sin(turn) * dr + np.cos(turn) * dc)
+    down, right = np.cos(turn) * dr - np.sin(turn) * dc, np.sin(turn) * dr + np.cos(turn) * dc
+    # r over the radius of the outline, which is about the finger's direction, up in the picture
+    angle, closed = np.mod(np.arctan2(right, -down), 2 * np.pi), np.append(outline, outline[0])
+    rho = np.hypot(down, right) / np.interp(angle, np.linspace(0, 2 * np.pi, len(closed)), closed)
     inside = rho < 1
     local = pressure * np.interp(rho, PROFILE_AT, np.maximum(profile, 0), right=0)
     tail = rho > PROFILE_AT[-2]  # the last step of the profile falls like a square root
