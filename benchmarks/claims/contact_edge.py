@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.simulated import Seen, contact, finger, study_of
+from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad.contact import equivalent_radius_from_indentation
@@ -62,28 +62,23 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
 
     Each image's errors of the semi-axes are those of contacts with one true ellipse, on an exact pad.
     """
-    rows = Rows(STUDY, {"f": EXACT}, [_contact(one, k, shared) for k, one in enumerate(some)])
+    seen = []
+    for k, one in enumerate(some):
+        found, edge_std = one.found.ellipse, one.found.edge_offset_std if shared else 0.0
+        errors = np.array([float(found.semi_major), float(found.semi_minor)]) - one.truth.semi_axes
+        axes, covariance = ELLIPSE + errors, one.found.covariance[:2, :2]
+        seen.append(contact(f"c{k}", 1.0, axes, covariance, wedge_deg=WEDGE_DEG, edge_offset_mm_std=edge_std))
+    rows = Rows(STUDY, {"f": EXACT}, seen)
     (summary,) = pool_contacts(rows)
     assert summary.corrected_radius is not None  # nothing fails
     pooled = summary.corrected_radius
     return (pooled.value - TRUE_RADIUS) / pooled.std
 
 
-def _contact(one: Measured, number: int, shared: bool) -> Seen:
-    found, truth = one.found.ellipse, one.truth
-    errors = np.array([float(found.semi_major), float(found.semi_minor)]) - truth.semi_axes
-    known: dict[str, Any] = {
-        "wedge_deg": WEDGE_DEG,
-        "edge_offset_mm_std": one.found.edge_offset_std if shared else 0.0,
-    }
-    return contact(f"c{number}", 1.0, ELLIPSE + errors, one.found.covariance[:2, :2], **known)
-
-
 def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> Array:
     """Return errors over stated standard uncertainties of area and radius, shape (sets, 2)."""
-    return np.array(
-        [(pooled_area_score(some, shared=shared), pooled_radius_score(some, shared=shared)) for some in sets]
-    )
+    scores = pooled_area_score, pooled_radius_score
+    return np.array([[score(some, shared=shared) for score in scores] for some in sets])
 
 
 def report(count: int = 6, size: int = 6, seed: int = 7) -> None:

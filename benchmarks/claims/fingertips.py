@@ -34,14 +34,12 @@ def measure(
 
 def report(count: int = 8, seed: int = 75) -> None:
     """Print errors, stated uncertainty and coverage of the semi-axes by shape."""
-    rows: dict[str, list[Row]] = {}
+    rows: dict[str, list[Row]] = {name: [] for name in SHAPES}
     refused = 0
     for name, truth, found in measured(count, seed):
         if found is None:
             refused += 1
             continue
-        of_shape = rows_of(
-            found.semi_axes, truth.semi_axes, found.covariance, "not_an_ellipse" in found.flags
-        )
-        rows.setdefault(name, []).extend(of_shape)
+        flagged = "not_an_ellipse" in found.flags
+        rows[name] += rows_of(found.semi_axes, truth.semi_axes, found.covariance, flagged)
     errors_table(f"Semi-axes; {refused} photographs refused", rows)

@@ -102,14 +102,11 @@ def exported_loads(folder: Path, indentations: tuple[float, ...], normal: Array)
 def report(rings: int = 10, layers: int = 3, poisson_ratio: float = 0.49) -> None:
     """Print the steps from the solver's layer to the exported tissue of the usual pad."""
     tissue = Tissue(0.05, poisson_ratio, THICKNESS)
-    table(("elements", *(f"{at:g} mm" for at in INDENTATIONS)), _cells(tissue, rings=rings, layers=layers))
-
-
-def _cells(tissue: Tissue, **size: int) -> Iterator[tuple[str, ...]]:
-    for words, ratio in rows_of(tissue, INDENTATIONS, **size):
-        yield words, *(f"{one:.2f}" for one in ratio)
+    rows = list(rows_of(tissue, INDENTATIONS, rings=rings, layers=layers))
     with tempfile.TemporaryDirectory() as folder:
         export_finger(simulator_law(PLACED, tissue, (0.2, 3.0)), Path(folder), effective_mass=0.1)
         load = exported_loads(Path(folder), INDENTATIONS, PLACED.normal)
     solved = np.array([solve_contact(PLACED, tissue, indentation=at).load for at in INDENTATIONS])
-    yield "`finger.inp` by scikit-fem", *(f"{one:.2f}" for one in load / solved)
+    rows.append(("`finger.inp` by scikit-fem", load / solved))
+    cells = ((words, *(f"{one:.2f}" for one in ratio)) for words, ratio in rows)
+    table(("elements", *(f"{at:g} mm" for at in INDENTATIONS)), cells)

@@ -29,9 +29,8 @@ def report() -> None:
             scene = Scene(tilt=tilt, turn=turn, squeeze=squeeze, bend=rng.choice([0, 0, 0.1, 0.3]))
             spacing = SPACING * (1 + rng.normal(0, RELATIVE_STD))
             picture = scene.picture(POINTS, spacing, pattern, noise=rng.uniform(0, 12), seed=seed)
-            grid = measure_grid(
-                picture, POINTS, SPACING, spacing_mm_std=RELATIVE_STD * SPACING, pattern=pattern
-            )
+            known = {"spacing_mm_std": RELATIVE_STD * SPACING}
+            grid = measure_grid(picture, POINTS, SPACING, pattern=pattern, **known)
             truth = math.sqrt(scene.area_per_pixel(*grid.points[3, 4]))
             found = grid.rectified_scale
             errors.append(found.mm_per_px / truth - 1)

@@ -120,10 +120,8 @@ def _held(quantity: Estimate, truth: float) -> float:
 
 def report(repeats: int = 10, first_seed: int = 90_000) -> None:
     """Print, of each case, the share of intervals that hold, and how wide t is."""
-    fits = {
-        name: not_refused(partial(fit_once, case), range(first_seed, first_seed + repeats))
-        for name, case in CASES.items()
-    }
+    seeds = range(first_seed, first_seed + repeats)
+    fits = {name: not_refused(partial(fit_once, case), seeds) for name, case in CASES.items()}
 
     def cells(name: str) -> Iterator[object]:
         found, refused = fits[name]

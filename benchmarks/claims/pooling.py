@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.arrays import Array, Rng
-from benchmarks.simulated import Seen, contact, finger, study_of
+from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import table
 from fingerpad._arrays import ArrayLike
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
@@ -118,20 +118,18 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int) -
     study, pads = study_of({"f": None}, PAD), {"f": finger("f", PAD)}
 
     def one(random: Rng) -> tuple[Array, Array, Array]:
-        loads = np.geomspace(0.25, 4, count).tolist()
-        seen = [_contact(random, load, relative_std, elongation) for load in loads]
+        seen = []
+        for load in np.geomspace(0.25, 4, count).tolist():
+            true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
+            axes = true * (1 + relative_std * random.normal(size=2))
+            covariance = np.diag(np.square(relative_std * np.sort(axes)[::-1]))
+            seen.append(contact(f"c{load:g}", load, axes, covariance))
         (summary,) = pool_contacts(Rows(study, pads, seen))
         pooled = [each for each in (summary.corrected_radius, summary.compliance_radius) if each]
         off, stds = np.array([each.value for each in pooled]) - truth, np.array([each.std for each in pooled])
         return off, stds, np.abs(off) < 1.96 * stds
 
     return _score(one, repeats, 0, 5)
-
-
-def _contact(random: Rng, load: float, relative_std: float, elongation: float) -> Seen:
-    true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
-    axes = true * (1 + relative_std * random.normal(size=2))
-    return contact(f"c{load:g}", load, axes, np.diag(np.square(relative_std * np.sort(axes)[::-1])))
 
 
 def report(repeats: int = 400) -> None:

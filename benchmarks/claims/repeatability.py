@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from benchmarks.arrays import Array, Rng
-from benchmarks.simulated import Seen, contact, finger, study_of
+from benchmarks.arrays import Rng
+from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
@@ -99,26 +99,23 @@ def mean_coverage(population: Population, design: Design, studies: int) -> Held:
         drawn = draw_study(population, design, rng)
         seen, truths = [], {}
         for load in LOADS:
-            again = draw_repeats(population, drawn, rng)
+            # The same fingers under another load: the same sessions, new repeats.
+            of_session = rng.normal(0, population.session, drawn["session"].max() + 1)[drawn["session"]]
+            again = drawn["of_finger"] + of_session + rng.normal(0, population.repeat, len(drawn))
             for row, log_radius in zip(drawn.itertuples(), again + 0.25 * np.log(load), strict=True):
                 elongation = ELONGATION + rng.normal(0, population.repeat)
-                where = f"f{row.finger}", f"s{row.session}"
-                log_axes = log_radius + np.array([0.5, -0.5]) * elongation
-                seen.append(_contact(rng, where, load, log_axes))
-                truths[where[0], load] = row.of_finger + 0.25 * np.log(load)
+                of, session = f"f{row.finger}", f"s{row.session}"
+                axes = np.exp(log_radius + np.array([0.5, -0.5]) * elongation)
+                axes = axes * (1 + NOISE * rng.normal(size=2))
+                noise, name = np.diag(np.square(NOISE * np.sort(axes)[::-1])), f"c{rng.integers(2**60)}"
+                seen.append(contact(name, load, axes, noise, finger=of, session=session))
+                truths[of, load] = row.of_finger + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = Rows(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
             for name, (low, high), truth in _pairs(at, truths[at.finger, at.load_N]):
                 held[name].append(low <= truth <= high)
     return held
-
-
-def draw_repeats(population: Population, drawn: pd.DataFrame, rng: Rng) -> Array:
-    """Draw the same fingers under another load: the same sessions, new repeats."""
-    number = drawn["session"].to_numpy()
-    of_session = rng.normal(0, population.session, number.max() + 1)
-    return drawn["of_finger"].to_numpy() + of_session[number] + rng.normal(0, population.repeat, number.size)
 
 
 def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[float, float], float]]:
@@ -130,13 +127,6 @@ def _pairs(at: AtLoadRecord, log_radius: float) -> Iterator[tuple[str, tuple[flo
     outputs = pad_model(**{name: np.array(value) for name, value in exact.items()})
     interval = at.youngs_modulus_kpa_ci95_low, at.youngs_modulus_kpa_ci95_high
     yield "modulus", interval, 1000 * float(outputs["youngs_modulus"])
-
-
-def _contact(rng: Rng, where: tuple[str, str], load: float, log_axes: Array) -> Seen:
-    axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
-    covariance = np.diag(np.square(NOISE * np.sort(axes)[::-1]))
-    of, session = where
-    return contact(f"c{rng.integers(2**60)}", load, axes, covariance, finger=of, session=session)
 
 
 _TWO_LEVELS = Population(person=0.1)
@@ -182,9 +172,6 @@ def report(studies: int = 1000, chains: int = 150) -> None:
 
 
 def _print_table(title: str, names: tuple[str, ...], rows: list[tuple[str, Held]]) -> None:
-    whole = {name: [one for _, found in rows for one in found[name]] for name in names}
-    table(
-        ("design", *names),
-        ((of, *(share(found[name], 1) for name in names)) for of, found in (*rows, ("in all", whole))),
-        title,
-    )
+    rows.append(("in all", {name: [one for _, found in rows for one in found[name]] for name in names}))
+    cells = ((of, *(share(found[name], 1) for name in names)) for of, found in rows)
+    table(("design", *names), cells, title)

@@ -43,28 +43,11 @@ PADS: Final = {
 }
 
 
-class Row(NamedTuple):
-    """A simulator's loads, those of the solver at the same indentations, and the factors of its area."""
-
-    load: Array
-    solved: Array
-    area_factor: Array
-
-    @property
-    def error(self) -> float:
-        """Largest relative error of the load."""
-        return float(np.abs(self.load / self.solved - 1).max())
-
-    @property
-    def area(self) -> float:
-        """Factor of the area that is furthest from 1."""
-        return float(self.area_factor[np.argmax(np.abs(np.log(self.area_factor)))])
-
-
-def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
-    """Return what each simulator makes of a pad, at some loads."""
+def errors_of(pad: Pad) -> tuple[list[float], float]:
+    """Return the largest error of each simulator, and the factor of an overlap's area furthest from 1."""
     law = simulator_law(PLACED, pad.tissue, pad.loads)
-    indentation = np.interp(np.geomspace(*pad.loads, count), law.load, law.indentation)
+    loads = np.geomspace(*pad.loads, _LOADS)
+    indentation = np.interp(loads, law.load, law.indentation)
     solved = [solve_contact(PLACED, pad.tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
     kh, pressures = law.newton_kh().kh, law.pressure_by_depth()
@@ -72,21 +55,17 @@ def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
     for depth in indentation:
         deep, cell = _overlap(depth)
         pressure = pressures.pressure_at(deep).sum()
-        found.append((kh * deep.sum() * cell, pressure * cell, (deep > 0).sum() * cell * 1e6))
-    newton, foundation, overlap = np.array(found).T
-    rows = {
-        "pressure by depth": Row(foundation, load, overlap / area),
-        "Newton `kh`": Row(newton, load, overlap / area),
-    }
+        found.append((pressure * cell, kh * deep.sum() * cell, (deep > 0).sum() * cell * 1e6))
+    foundation, newton, overlap = np.array(found).T
     with tempfile.TemporaryDirectory() as folder:
         export_finger(law, Path(folder), effective_mass=MASS)
-        drake, section = _drake(law, Path(folder), indentation)
-        rows["Drake"] = Row(drake, load, section / area)
-        loads = np.geomspace(*pad.loads, count)
+        drake = _drake(law, Path(folder), indentation)
         rested = _mujoco(Path(folder), loads)
     held = np.array([float(solve_contact(PLACED, pad.tissue, indentation=depth).load) for depth in rested])
-    rows["MuJoCo"] = Row(loads, held, np.full(count, np.nan))
-    return rows
+    pairs = (foundation, load), (newton, load), (drake, load), (loads, held)
+    factor = overlap / area
+    errors = [float(np.abs(one / other - 1).max()) for one, other in pairs]
+    return errors, float(factor[np.argmax(np.abs(np.log(factor)))])
 
 
 def _overlap(indentation: float) -> tuple[Array, float]:
@@ -110,15 +89,15 @@ def _mujoco(folder: Path, loads: Array) -> list[float]:
     return rested
 
 
-def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, Array]:
-    """Return loads and areas, by Drake where it is installed."""
+def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> Array:
+    """Return loads, by Drake where it is installed."""
     height = float(PLACED.normal @ PLACED.point)
     try:
         import pydrake.all as drake  # noqa: PLC0415 (it need not be installed)
     except ImportError:
         mesh = law.mesh()
-        area, extent = mesh.sections(PLACED.normal, height - indentation)
-        return law.drake_modulus(mesh).modulus * extent * 1e-6, area
+        _, extent = mesh.sections(PLACED.normal, height - indentation)
+        return law.drake_modulus(mesh).modulus * extent * 1e-6
     builder = drake.DiagramBuilder()
     plant, _ = drake.AddMultibodyPlantSceneGraph(builder, 0.0)
     plant.set_contact_model(drake.ContactModel.kHydroelastic)
@@ -137,9 +116,8 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> tuple[Array, 
     for depth in indentation:
         plant.SetFreeBodyPose(own, link, drake.RigidTransform(turned, [0, 0, (height - depth) / 1000]))
         contact = plant.get_contact_results_output_port().Eval(own).hydroelastic_contact_info(0)
-        found.append((contact.F_Ac_W().translational()[2], contact.contact_surface().total_area() * 1e6))
-    loads, areas = np.abs(np.array(found)).T
-    return loads, areas
+        found.append(contact.F_Ac_W().translational()[2])
+    return np.abs(found)
 
 
 def report() -> None:
@@ -154,12 +132,10 @@ def report() -> None:
 
 def _cells() -> Iterator[tuple[str, ...]]:
     for name, pad in PADS.items():
-        rows = rows_of(pad)
-        low, high = pad.loads
+        (low, high), (errors, factor) = pad.loads, errors_of(pad)
         elements = "no bone"
         if not pad.tissue.is_deep:
             ratio = simulator_law(PLACED, pad.tissue, pad.loads).finite_elements().load_ratio
             elements = f"× {ratio[0]:.2f} to {ratio[-1]:.2f}"
-        errors = (percent(row.error) for row in rows.values())
-        area = f"× {rows['Newton `kh`'].area:.2f}"
-        yield f"{name}: {pad.words}, {low:g}–{high:g} N", *errors, area, elements
+        words = f"{name}: {pad.words}, {low:g}–{high:g} N"
+        yield words, *map(percent, errors), f"× {factor:.2f}", elements

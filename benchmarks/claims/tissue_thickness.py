@@ -19,28 +19,24 @@ WEDGES = _SOURCE.wedges
 class Loading(NamedTuple):
     """What pressing pads up to a contact area shows; NaN beyond the range of the laws.
 
-    Slopes of A against πξ with an intercept and without; the indentation at which the line with an intercept
-    reaches A = 0; n of A ∝ W^n and m of W ∝ ξ^m.
+    Slopes of A against πξ with an intercept and without; n of A ∝ W^n and m of W ∝ ξ^m.
     """
 
     slope: Array
     slope_through_origin: Array
-    contact_shift: Array
     area_exponent: Array
     load_exponent: Array
 
 
-def loading_of(placement: Placement, tissue: Tissue, area: Array, lowest: float = 0.0) -> Loading:
-    """Fit 64 evenly spaced loads, above `lowest` of the one that gives the area."""
+def loading_of(placement: Placement, tissue: Tissue, area: Array) -> Loading:
+    """Fit 64 evenly spaced loads up to the one that gives the area."""
     highest = fast_contact(placement, tissue, area=area).load
-    loads = np.multiply.outer(np.linspace(lowest, 1, 65)[1:], highest)
+    loads = np.multiply.outer(np.linspace(0, 1, 65)[1:], highest)
     contact = fast_contact(placement, tissue, load=loads)
     x, y = np.pi * contact.indentation, contact.area
-    slope = _slope(x, y)
     return Loading(
-        slope=slope,
+        slope=_slope(x, y),
         slope_through_origin=np.sum(x * y, axis=0) / np.sum(x * x, axis=0),
-        contact_shift=(x.mean(axis=0) - y.mean(axis=0) / slope) / np.pi,
         area_exponent=_slope(np.log(loads), np.log(y)),
         load_exponent=_slope(np.log(x), np.log(loads)),
     )
@@ -52,18 +48,11 @@ def _slope(x: Array, y: Array) -> Array:
     return np.sum(deviation * y, axis=0) / np.sum(deviation**2, axis=0)
 
 
-def line(name: str, lowest: float = 0.0) -> Callable[[Placement, Tissue, Array], Array]:
-    """Return R_g read as the slope of a line."""
-
-    def read(placement: Placement, tissue: Tissue, area: Array) -> Array:
-        return getattr(loading_of(placement, tissue, area, lowest), name)
-
-    return read
-
-
-READINGS = {
-    "ratio": lambda *pressed: fast_contact(*pressed[:2], area=pressed[2]).area_over_pi_indentation,
-    **{name: line(name) for name in ("slope", "slope_through_origin")},
+# How R_g is read from a placement, tissue and contact area.
+READINGS: dict[str, Callable[[Placement, Tissue, Array], Array]] = {
+    "ratio": lambda pad, tissue, area: fast_contact(pad, tissue, area=area).area_over_pi_indentation,
+    "slope": lambda *pressed: loading_of(*pressed).slope,
+    "slope_through_origin": lambda *pressed: loading_of(*pressed).slope_through_origin,
 }
 
 

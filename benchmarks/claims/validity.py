@@ -53,7 +53,6 @@ class Truth:
     falls_above: float = np.inf  # load above which the area falls with it, N
     elongation: float | None = None  # ln of length along the finger over across, if not Hertz theory's
     loads: tuple[float, ...] = LOADS
-    repeats: int = 1  # contacts at each load
     press_std: float = 0.0  # relative, of the areas of presses under one load
     with_curve: bool = False  # whether the finger has a loading curve, or R_g alone
     stated_thickness: float | None = None  # what the manifest says of the effective thickness, mm
@@ -143,7 +142,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, di
     rng = np.random.default_rng([seed, 17])
     study, pad, wedge, rows, radii = measured(truth, rng)
     summaries = pool_contacts(rows)
-    curve = _curve(truth, radii, (wedge, pad.semi_axes), rng, folder)
+    curve = _curve(truth, radii, wedge, pad.semi_axes, rng=rng, folder=folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
     highest = press(truth, radii, truth.loads[-1])
     radius = highest.area / (np.pi * highest.indentation)  # the sphere of the true area and indentation
@@ -152,7 +151,7 @@ def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, di
 
 def _contacts(truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng) -> Iterator[Seen]:
     scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
-    for number, load in enumerate(np.repeat(truth.loads, truth.repeats).tolist()):
+    for number, load in enumerate(truth.loads):
         pressed = press(truth, radii, load)
         c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
         if truth.press_std:
@@ -173,10 +172,9 @@ def _contacts(truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng) 
 
 
 def _curve(
-    truth: Truth, radii: tuple[float, float], given: tuple[float, Array], rng: Rng, folder: Path
+    truth: Truth, radii: tuple[float, float], wedge: float, axes: Array, *, rng: Rng, folder: Path
 ) -> CurveResult:
     """Return the finger's loading data: R_g with its uncertainty, or a fitted record."""
-    wedge, axes = given
     if not truth.with_curve:
         highest = press(truth, radii, LOADS[-1])
         radius = highest.area / (np.pi * highest.indentation) * (1 + rng.normal(0, LOADING_STD))
@@ -211,13 +209,11 @@ def scored(validity: ValidityRecord, truth: dict[str, float]) -> dict[str, Any]:
 def scores(repeats: int, curve_repeats: int, cases: dict[str, Truth] = CASES) -> dict[str, pd.DataFrame]:
     """Return for each case what its simulated studies came to."""
     with tempfile.TemporaryDirectory() as folder:
-        return {
-            name: pd.DataFrame(
-                scored(*simulated(truth, seed, Path(folder)))
-                for seed in range(curve_repeats if truth.with_curve else repeats)
-            )
-            for name, truth in cases.items()
-        }
+        found = {}
+        for name, truth in cases.items():
+            seeds = range(curve_repeats if truth.with_curve else repeats)
+            found[name] = pd.DataFrame(scored(*simulated(truth, seed, Path(folder))) for seed in seeds)
+        return found
 
 
 def report(repeats: int = 200, curve_repeats: int = 30) -> None:

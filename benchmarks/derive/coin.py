@@ -41,10 +41,8 @@ def compare(model: Any, coins: Sequence[Seen]) -> Compared:
     with patch.object(coin_module, "COIN_EDGE", model):
         found = [coin_module._coin(*one.found) for one in coins]
     true = np.array([one.radius for one in coins])
-    return Compared(
-        np.array([one.semi_major for one in found]) / true - 1,
-        np.array([one.semi_major_std for one in found]) / true,
-    )
+    sizes, stds = np.array([(one.semi_major, one.semi_major_std) for one in found]).T
+    return Compared(sizes / true - 1, stds / true)
 
 
 PROBLEMS = (

@@ -5,7 +5,7 @@ put in the middle of the values that err least, a letter missed and a print take
 """
 
 from dataclasses import fields
-from itertools import chain, product
+from itertools import product
 from typing import Any, Final, NamedTuple
 from unittest.mock import patch
 
@@ -102,10 +102,9 @@ def show(count: int, seed: int, other: int) -> None:
         print(f"    {name:<10} {used!s:>12} {value:>8.3g}   {least:<6.3g} to {most:<6.3g}  {comments[name]}")
     unseen = sample(count, other)
     print(f"    on {len(unseen)} images of seed {other}:")
-    alone = (
-        (f"{name} fitted", changed(MODEL, (name,), np.array([value])))
-        for name, (value, _, _) in found.items()
-    )
-    for words, model in chain([("in the code", MODEL)], alone):
+    models = {"in the code": MODEL}
+    for name, (value, _, _) in found.items():
+        models[f"{name} fitted"] = changed(MODEL, (name,), np.array([value]))
+    for words, model in models.items():
         missed, taken = errors(model, unseen)
         print(f"    {words:<18} letters missed {missed:.1%}, ridges taken for letters {taken:.1%}")

@@ -11,6 +11,7 @@ read.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import cv2
@@ -115,9 +116,8 @@ def draw(name: str, rng: Rng) -> AnatomicFinger:
     scale = rng.uniform(0.045, 0.065)
     bend = math.radians(rng.uniform(5, 10) if name == "bent" else rng.uniform(-1, 2))
     overhang = rng.uniform(0.3, 1.0) if name == "nail" else 0.0
-    photographs = {
-        face: _photograph(rng, _parts(rng, support, face, bend, overhang), face, scale) for face in FACES
-    }
+    parts = partial(_parts, rng, support, bend=bend, overhang=overhang)
+    photographs = {face: _photograph(rng, parts(face), face, scale) for face in FACES}
     radii = np.array([_radii(support, math.radians(wedge)) for wedge in WEDGES_DEG])
     return AnatomicFinger(name, scale, photographs, reach, radii)
 

@@ -5,9 +5,6 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-# From the circle, through ratios that differ from one by single digits of a double, to slender ellipses.
-RATIOS = np.concatenate([[1.0], 1 + 10.0 ** -np.arange(15, 0, -1.0), np.geomspace(1.2, 1e7, 60)])
-
 
 def exact_contact(ratio: float, smaller_radius: float, load: float, modulus: float) -> tuple[mp.mpf, ...]:
     """Return semi-axes, indentation and peak pressure, with digits enough to outlast the cancellation."""

@@ -57,13 +57,11 @@ class Gap:
         self.a, self.b, self.radius = a, b, radius
 
         # C from the curvature 1/(2R) along the major axis, with s = t²
-        def integral(of_a: float, of_b: float) -> float:
-            return float(
-                quad(lambda t: 2 / ((a * a + t * t) ** of_a * (b * b + t * t) ** of_b), 0, np.inf)[0]
-            )
+        def integral(of_a: float) -> float:
+            return float(quad(lambda t: 2 / ((a * a + t * t) ** of_a * (b * b + t * t) ** 0.5), 0, np.inf)[0])
 
-        self.flat = integral(0.5, 0.5)
-        self.hertz = 1 / (2 * radius * integral(1.5, 0.5))
+        self.flat = integral(0.5)
+        self.hertz = 1 / (2 * radius * integral(1.5))
         self.adhesive = stretch / self.flat
 
     def coordinate(self, x: Array, y: Array) -> Array:
@@ -243,14 +241,12 @@ class Camera:
 class _Scene:
     """One view of a device: contact, light, dirt and reflections.
 
-    `grown` is the contact's size over that drawn.
+    A view may be "cut" by the frame, or have no contact: of "none", or of a finger that "hovers". `grown` is
+    the contact's size over that drawn.
     """
 
-    def __init__(
-        self, rng: Rng, kind: str, *, cut: bool = False, touches: bool = True, hovers: bool = False,
-        grown: float = 1.0,
-    ) -> None:  # fmt: skip
-        self.rng, self.cut, self.touches = rng, cut, touches
+    def __init__(self, rng: Rng, kind: str, view: str = "", grown: float = 1.0) -> None:
+        self.rng, self.cut, self.touches = rng, view == "cut", view not in {"none", "hovers"}
         height = int(rng.integers(700, 1201) if rng.random() < 0.35 else rng.integers(300, 700))
         width = int(np.clip(height * rng.choice([1, 1, 4 / 3, 4 / 3, 16 / 9]), 300, 1600))
         self.shape = (height, width)
@@ -263,7 +259,7 @@ class _Scene:
         b = a * ratio
         turn = np.deg2rad(float(rng.uniform(-90, 90)) if ratio < 1 else 0.0)
         self.turned = np.cos(turn), np.sin(turn)
-        if cut:
+        if self.cut:
             side = rng.integers(0, 4)
             off = self.a_px * rng.uniform(-0.4, 0.75)
             self.centre = [rng.uniform(0.3, 0.7) * height, rng.uniform(0.3, 0.7) * width]
@@ -299,10 +295,10 @@ class _Scene:
         self.x, self.y = self._in_frame(*np.mgrid[0:height, 0:width].astype(np.float64))
         # The pad behind the glass is seen by the light of the room where the gap is small.
         self.depth = a * a / radius
-        lift = self.depth * rng.uniform(0.1, 0.7) if not touches else 0.0
+        lift = self.depth * rng.uniform(0.1, 0.7) if not self.touches else 0.0
         beyond = np.maximum((self.x / self.gap.a) ** 2 + (self.y / self.gap.b) ** 2 - 1, 0)
         self.far = beyond * self.gap.a**2 / (2 * radius) + lift
-        self.is_near = touches or hovers
+        self.is_near = view != "none"
 
     def specks(self, count: Any, largest: float) -> Array:
         """Return so many specks; their size in pixels of a picture of 500 rows."""
@@ -538,9 +534,8 @@ def pictures(seed: int, count: int, kind: str) -> Iterator[Picture]:
     for number in range(count):
         rng = np.random.default_rng([seed, number, [*KINDS].index(kind)])
         device = DEVICES[number % 5] if kind in {"none", "cut"} else kind
-        hovers = kind == "none" and rng.random() < 0.4
-        scene = _Scene(rng, device, cut=kind == "cut", touches=kind != "none", hovers=hovers)
-        yield _picture(device, scene, rng)
+        view = "hovers" if kind == "none" and rng.random() < 0.4 else kind
+        yield _picture(device, _Scene(rng, device, view), rng)
 
 
 def loading(seed: int, count: int, kind: str) -> Iterator[Picture]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import mpmath as mp
 import numpy as np
 import pytest
-from benchmarks.truth.hertz import RATIOS, exact_contact
+from benchmarks.truth.hertz import exact_contact
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -28,6 +28,8 @@ from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
+# From the circle, through ratios that differ from one by single digits of a double, to slender ellipses.
+RATIOS = np.concatenate([[1.0], 1 + 10.0 ** -np.arange(15, 0, -1.0), np.geomspace(1.2, 1e7, 60)])
 AXIS_RATIOS = np.concatenate([[1.0, 1 - 1e-16, 1 - 1e-12, 1 - 1e-6], np.geomspace(1e-12, 0.999, 40)])
 
 

@@ -53,9 +53,8 @@ class Gap:
         plane = ((pad.palmar * normal[0]) ** q + (pad.distal * normal[1]) ** q) ** (1 / q)
         support = np.hypot(plane, pad.radial_ulnar * normal[2])
         scale = plane ** (2 - q) / support
-        x, y = (
-            scale * axis**q * n ** (q - 1) for axis, n in zip((pad.palmar, pad.distal), normal, strict=False)
-        )
+        x = scale * pad.palmar**q * normal[0] ** (q - 1)
+        y = scale * pad.distal**q * normal[1] ** (q - 1)
         return np.array([x, y, pad.radial_ulnar**2 * normal[2] / support]), normal, along, across
 
     def __call__(self, along: Array, across: Array) -> Array:
