@@ -46,13 +46,6 @@ def _commit() -> str:
     return git("rev-parse", "--short=8", "HEAD") + ("-dirty" if changed else "")
 
 
-def _module(name: str) -> Any:
-    try:
-        return importlib.import_module(modules()[name])
-    except ModuleNotFoundError as error:
-        sys.exit(f"{name} needs the package {error.name}: `make setup` installs what benchmarks need")
-
-
 def options_of(name: str, module: Any) -> argparse.ArgumentParser:
     """Return what reads the options of a benchmark: one for each argument of its report."""
     texts = [inspect.cleandoc(text) for text in (module.__doc__, module.report.__doc__)]
@@ -80,7 +73,10 @@ def sample_words(sample: Mapping[str, object]) -> str:
 
 def measure(name: str, options: Sequence[str]) -> None:
     """Run a benchmark, and print its table and the foot that states how it was made; store them if asked."""
-    module = _module(name)
+    try:
+        module = importlib.import_module(modules()[name])
+    except ModuleNotFoundError as error:
+        sys.exit(f"{name} needs the package {error.name}: `make setup` installs what benchmarks need")
     sample = vars(options_of(name, module).parse_args(options))
     store, commit = sample.pop("store"), _commit()
     with redirect_stdout(_Copied()) as shown:

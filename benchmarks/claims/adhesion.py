@@ -23,12 +23,13 @@ def judged(record: Record) -> dict[str, float]:
     if fit is None or not all(found.known for found in fit.parameters.values()):
         return {"refused": 1.0}
     modulus, work = fit.parameters["youngs_modulus"], fit.parameters["work_of_adhesion"]
-    found_true = {
-        "E": (modulus, record.modulus),
-        "w": (work, record.work_of_adhesion),
-        "x0": (fit.contact_offset, record.contact_offset),
-    }
-    held = {name: float(found.lower <= true <= found.upper) for name, (found, true) in found_true.items()}
+    pairs = (
+        (modulus, record.modulus),
+        (work, record.work_of_adhesion),
+        (fit.contact_offset, record.contact_offset),
+    )
+    within = (float(found.lower <= true <= found.upper) for found, true in pairs)
+    held = dict(zip(("E", "w", "x0"), within, strict=True))
     hertz = fit.models["hertz"].values["youngs_modulus"] if "hertz" in fit.models else np.nan
     return held | {
         "refused": 0.0,

@@ -8,7 +8,6 @@ gap is then solved on the grid, and compared with that of a layer of uniform thi
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Final, NamedTuple
@@ -190,14 +189,8 @@ def pressed(bone: Bone, side: float, wedge_deg: float, area: float) -> Contact:
     return Contact(*np.exp(values).tolist())
 
 
-def _cells(bone: Bone, side: float) -> Iterator[str]:
-    """Yield A/(πξ), thickness of the layer that acts so, modulus read with it over the true one, and axes."""
-    rows = [_as_layer(pressed(bone, side, wedge, area), wedge, area) for wedge, area in PRINTED.items()]
-    for digits, values in zip((1, 1, 2, 2), zip(*rows, strict=True), strict=True):
-        yield ", ".join(f"{one:.{digits}f}" for one in values)
-
-
 def _as_layer(found: Contact, wedge: float, area: float) -> tuple[float, ...]:
+    """Return A/(πξ), the thickness of the layer that acts so, E read with it over the true one, and axes."""
     gap, radius = pad_gap(wedge), area / (math.pi * found.indentation)
 
     def layer(t: float) -> Any:
@@ -213,6 +206,10 @@ def _as_layer(found: Contact, wedge: float, area: float) -> tuple[float, ...]:
 def report(side: float = 1.5) -> None:
     """Print which layer a narrow bone acts like, and what it makes of the contact's shape."""
     head = "bone", "A/(πξ), mm", "t of the layer that acts so, mm", "modulus read over true"
-    rows = ((name, *_cells(bone, side)) for name, bone in BONES.items())
+    rows = []
+    for name, bone in BONES.items():
+        found = [_as_layer(pressed(bone, side, wedge, area), wedge, area) for wedge, area in PRINTED.items()]
+        columns = zip((1, 1, 2, 2), zip(*found, strict=True), strict=True)
+        rows.append((name, *(", ".join(f"{one:.{n}f}" for one in values) for n, values in columns)))
     title = f"At wedge angles of {' and '.join(map(str, PRINTED))}°; elements of {side:g} mm"
     table((*head, "along over across"), rows, title)

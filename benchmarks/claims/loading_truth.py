@@ -138,14 +138,13 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, float]:
 def report(repeats: int = 24, first_seed: int = 50_000) -> None:
     """Print, of each condition and quantity, the error, coverage and flags."""
     columns = "condition", "flagged", "refused", *(name.replace("_", " ") for name in QUANTITIES)
-    rows = (_cells(name, range(first_seed, first_seed + repeats)) for name in CONDITIONS)
+    rows: list[tuple[object, ...]] = []
+    for name, condition in CONDITIONS.items():
+        fits, refused = not_refused(partial(fit_errors, condition), range(first_seed, first_seed + repeats))
+        cells = (_cell(fits, quantity) for quantity in QUANTITIES)
+        rows.append((name, share(fits["flagged"]), refused, *cells))
     title = f"{repeats} curves each: median error; held by 95 % intervals (by those of curves without a flag)"
     table(columns, rows, title)
-
-
-def _cells(name: str, seeds: range) -> list[object]:
-    fits, refused = not_refused(partial(fit_errors, CONDITIONS[name]), seeds)
-    return [name, share(fits["flagged"]), refused, *(_cell(fits, quantity) for quantity in QUANTITIES)]
 
 
 def _cell(fits: pd.DataFrame, name: str) -> str:

@@ -134,14 +134,13 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int) -
 
 def report(repeats: int = 400) -> None:
     """Print bias and coverage of each mean: of its components the largest bias, and each coverage."""
-    rows = ((words, *_cells(score(repeats))) for words, score in _cases())
+    rows = []
+    for words, score in _cases():
+        bias, error, covered = map(np.ravel, score(repeats))
+        worst = np.argmax(np.abs(bias))
+        held = ", ".join(f"{100 * one:.1f} %" for one in covered)
+        rows.append((words, f"{bias[worst]:+.2f} ± {error[worst]:.2f}", held))
     table(("mean", "largest bias, in uncertainties", "held by the 95 % interval"), rows)
-
-
-def _cells(found: Score) -> tuple[str, str]:
-    worst = np.argmax(np.abs(found.bias))
-    bias, error = np.ravel(found.bias)[worst], np.ravel(found.error)[worst]
-    return f"{bias:+.2f} ± {error:.2f}", ", ".join(f"{100 * one:.1f} %" for one in np.ravel(found.covered))
 
 
 def _cases() -> Iterator[tuple[str, Callable[[int], Score]]]:

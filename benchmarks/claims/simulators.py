@@ -7,7 +7,6 @@ overlap.
 """
 
 import tempfile
-from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -122,15 +121,7 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> Array:
 
 def report() -> None:
     """Print the table of errors, as it stands in the documentation."""
-    table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), _cells())
-    try:
-        drake = f"Drake {version('drake')} and"
-    except PackageNotFoundError:
-        drake = "Drake's formula on the exported mesh, and"
-    print(f"\nMuJoCo {version('mujoco')}, {drake} Newton's law over the overlap, as Newton 1.8 needs a GPU.")
-
-
-def _cells() -> Iterator[tuple[str, ...]]:
+    rows = []
     for name, pad in PADS.items():
         (low, high), (errors, factor) = pad.loads, errors_of(pad)
         elements = "no bone"
@@ -138,4 +129,10 @@ def _cells() -> Iterator[tuple[str, ...]]:
             ratio = simulator_law(PLACED, pad.tissue, pad.loads).finite_elements().load_ratio
             elements = f"× {ratio[0]:.2f} to {ratio[-1]:.2f}"
         words = f"{name}: {pad.words}, {low:g}–{high:g} N"
-        yield words, *map(percent, errors), f"× {factor:.2f}", elements
+        rows.append((words, *map(percent, errors), f"× {factor:.2f}", elements))
+    table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), rows)
+    try:
+        drake = f"Drake {version('drake')} and"
+    except PackageNotFoundError:
+        drake = "Drake's formula on the exported mesh, and"
+    print(f"\nMuJoCo {version('mujoco')}, {drake} Newton's law over the overlap, as Newton 1.8 needs a GPU.")

@@ -35,10 +35,6 @@ def _ellipsoid(axes: Array, centre: tuple[float, float, float] = (0, 0, 0), turn
     return lambda n: n @ np.array(centre) + np.linalg.norm((n @ turned.T) * axes, axis=-1)
 
 
-def _sum(*parts: Support) -> Support:
-    return lambda n: np.sum([part(n) for part in parts], axis=0)
-
-
 def _firey(power: float, *parts: Support) -> Support:
     """Return a rounded hull of bodies that hold the origin: convex for powers from 1."""
     return lambda n: np.linalg.norm([part(n) for part in parts], ord=power, axis=0)
@@ -48,7 +44,8 @@ def _flat(axes: Array, rng: Rng, normal: int, turn: float) -> Support:
     share, thin = rng.uniform(0.25, 0.4), rng.uniform(0.1, 0.18)
     plate = np.full(3, share)
     plate[normal] = thin
-    return _sum(_ellipsoid(axes * (1 - plate)), _ellipsoid(axes * plate, turn=turn))
+    parts = _ellipsoid(axes * (1 - plate)), _ellipsoid(axes * plate, turn=turn)
+    return lambda n: np.sum([part(n) for part in parts], axis=0)
 
 
 def _body(name: str, axes: Array, rng: Rng) -> Support:

@@ -92,8 +92,11 @@ def scene(kind: str, seed: int) -> Scene:
     for each in discs:
         light = _with_disc(light, origins, rays, each, lamps)
     light = _with_neighbours(light, kind, ground_points, rng)
-    if kind == "partly shadowed":
-        light = light * _cast_shadow(ground_points, rng)
+    if kind == "partly shadowed":  # by a hand or telephone held between lamp and table
+        turn = rng.uniform(0, 2 * math.pi)
+        edge = ground_points[0] * math.cos(turn) + ground_points[1] * math.sin(turn) - rng.uniform(-0.6, 0.6)
+        dark = rng.uniform(0.25, 0.65)
+        light = light * (1 - dark * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24))))
     centre, major, minor = _imaged_circle(origins, disc, rays)
     return Scene(_exposed(light, kind, rng), centre, major, minor)
 
@@ -342,13 +345,6 @@ def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:
         shift = int(rng.integers(6, 18))
         return (1 - ghost) * wet + ghost * np.roll(wet, shift, axis=1)
     return light
-
-
-def _cast_shadow(points: Array, rng: Rng) -> Array:
-    """Return the light left by a hand or telephone held between lamp and table."""
-    turn = rng.uniform(0, 2 * math.pi)
-    edge = points[0] * math.cos(turn) + points[1] * math.sin(turn) - rng.uniform(-0.6, 0.6)
-    return 1 - rng.uniform(0.25, 0.65) * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24)))
 
 
 def _exposed(light: Array, kind: str, rng: Rng) -> Pixels:

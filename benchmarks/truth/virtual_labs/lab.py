@@ -1,6 +1,5 @@
 """A lab: one finger, what is true of it, and the study that the lab writes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 from PIL import Image
 from scipy import optimize
 
-from benchmarks.arrays import Array, Rng
+from benchmarks.arrays import Array
 from benchmarks.truth.hertz import hertz_factors
 from benchmarks.truth.true_image import equal_ellipse
 
@@ -40,13 +39,6 @@ class Truth:
     contact_offset: dict[int, float] = field(default_factory=dict)
 
 
-def _draw_pad(kind: str, rng: Rng) -> Pad:
-    axes = rng.uniform(7, 9.5), rng.uniform(12, 16), rng.uniform(8.5, 12)
-    if kind == "superelliptic":
-        return Pad(*axes, exponent=float(rng.choice([rng.uniform(1.8, 1.93), rng.uniform(2.1, 2.4)])))
-    return Pad(*axes, dorsal_ratio=rng.uniform(0.7, 0.9) if kind == "dorsal" else 1.0)
-
-
 def make_lab(seed: int, folder: Path) -> Truth:
     """Write a lab's study into a folder and return what is true."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -66,7 +58,11 @@ class _Lab:
         self.folder = folder
         self.rng = rng = np.random.default_rng([29, seed])
         bone, kind, method = bool(seed % 2), KINDS[(seed // 2) % 5], METHODS[(seed // 2) % 3]
-        pad = _draw_pad(kind, rng)
+        axes = rng.uniform(7, 9.5), rng.uniform(12, 16), rng.uniform(8.5, 12)
+        other = {"dorsal_ratio": rng.uniform(0.7, 0.9)} if kind == "dorsal" else {}
+        if kind == "superelliptic":
+            other["exponent"] = float(rng.choice([rng.uniform(1.8, 1.93), rng.uniform(2.1, 2.4)]))
+        pad = Pad(*axes, **other)
         self.stated_poisson, poisson_std = round(rng.uniform(0.46, 0.495), 3), 0.01
         poisson = float(np.clip(rng.normal(self.stated_poisson, poisson_std), 0.4, 0.4995))
         wedge_std, roll_std = (float(rng.choice([1.0, 2.0, 3.0])) for _ in range(2))
@@ -172,8 +168,12 @@ class _Lab:
         force, area = self.reduced * law.load(seen), law.area(seen)
         noise = rng.uniform(0.003, 0.008), rng.uniform(0.001, 0.004), rng.uniform(0.4, 1.2)
         measured = (1 + gain) * force + rng.uniform(-0.05, 0.05) + rng.uniform(-0.01, 0.01) * time
-        name = f"curve_{wedge}.csv"
-        _write_curve(self.folder / name, (time, measured, displacement, area), noise, rng)
+        table = np.stack([time, measured, displacement, area], axis=1)
+        for column, std in enumerate(noise, start=1):
+            table[:, column] += rng.normal(0, std, len(table))
+        table[area <= 0, 3] = 0  # no area is seen before contact
+        name, header = f"curve_{wedge}.csv", "time_s,force_N,displacement_mm,area_mm2"
+        np.savetxt(self.folder / name, table, "%.6g", ",", header=header, comments="")
         self.lines.append(f'[[curves]]\nfinger = "finger"\nwedge_angle_deg = {wedge}')
         self.lines.append(f'file = "{name}"\nsynthetic = true')
         if self.compliance:
@@ -191,17 +191,6 @@ class _Lab:
 
         fit = optimize.least_squares(residual, [w.max() / hertz.max(), 0.0])
         truth.loading_radius[wedge], truth.initial_modulus[wedge] = radius, float(fit.x[0]) * 1000
-
-
-def _write_curve(path: Path, columns: Sequence[Array], noise: tuple[float, float, float], rng: Rng) -> None:
-    """Write a curve with noise of force, displacement and area; no area is seen before contact."""
-    table = np.stack(columns, axis=1)
-    touched = table[:, 3] > 0
-    for column, std in enumerate(noise, start=1):
-        table[:, column] += rng.normal(0, std, len(table))
-    table[~touched, 3] = 0
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(path, table, "%.6g", ",", header=header, comments="")
 
 
 def _save(picture: Array, path: Path) -> None:

@@ -67,8 +67,9 @@ def contact_image(
     phase = _ridges(rows, columns, rng)
     slope = np.pi * device.ridge_width * 0.1
     ridge = np.clip((np.cos(phase) - np.cos(np.pi * width)) / slope + 0.5, 0, 1) * inside
-    if device.kind == "dirty":
-        ridge *= _gaps(ridge.shape, step, rng)
+    if device.kind == "dirty":  # pores and cracks interrupt ridges
+        near = ndimage.distance_transform_edt(rng.random(ridge.shape) >= 0.6 * step**2) * step
+        ridge *= np.clip((near - 0.06) / step, 0, 1)
     signal = ridge * local**device.fading + device.valley * (1 - ridge) * inside * local**0.5
     signal = ndimage.gaussian_filter(signal, device.blur_mm / step)
     signal = signal.reshape(n, SUPERSAMPLING, n, SUPERSAMPLING).mean(axis=(1, 3))
@@ -106,13 +107,6 @@ def _ridges(rows: Array, columns: Array, rng: Rng) -> Array:
         around = (at - (column + 1j * row)) / extent
         turns *= around if rng.random() < 0.5 else around.conj()
     return phase + np.angle(turns)
-
-
-def _gaps(shape: tuple[int, ...], step: float, rng: Rng) -> Array:
-    """Return 0 where pores and cracks interrupt ridges."""
-    pores = rng.random(shape) < 0.6 * step**2
-    near = ndimage.distance_transform_edt(~pores) * step
-    return np.clip((near - 0.06) / step, 0, 1)
 
 
 def _specks(n: int, mm_per_px: float, count: int, rng: Rng) -> Array:
