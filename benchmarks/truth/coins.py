@@ -25,12 +25,10 @@ NOT_ONE_COIN = ("two coins", "cut by the frame", "no coin", "a square")
 
 
 class Scene(NamedTuple):
-    """A photograph, and the true centre (row, column) and semi-axes of the disc's top outline, px."""
+    """A photograph, and the true larger semi-axis of the disc's top outline, px."""
 
     pixels: Pixels
-    centre: tuple[float, float]
     semi_major: float
-    semi_minor: float
 
 
 class Disc(NamedTuple):
@@ -97,8 +95,7 @@ def scene(kind: str, seed: int) -> Scene:
         edge = ground_points[0] * math.cos(turn) + ground_points[1] * math.sin(turn) - rng.uniform(-0.6, 0.6)
         dark = rng.uniform(0.25, 0.65)
         light = light * (1 - dark * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24))))
-    centre, major, minor = _imaged_circle(origins, disc, rays)
-    return Scene(_exposed(light, kind, rng), centre, major, minor)
+    return Scene(_exposed(light, kind, rng), _imaged_circle(origins, disc, rays))
 
 
 def _camera(
@@ -122,8 +119,8 @@ def _camera(
     return (back * distance)[:, None, None], rays
 
 
-def _imaged_circle(origin: Array, disc: Disc, rays: Array) -> tuple[tuple[float, float], float, float]:
-    """Return centre (row, column) and semi-axes of the image of the top circle: a conic by its homography."""
+def _imaged_circle(origin: Array, disc: Disc, rays: Array) -> float:
+    """Return the larger semi-axis of the image of the top circle: a conic by its homography."""
     rows, columns = rays.shape[1:]
     # World ray as an affine map of pixel (column, row, 1), from three corners of the fine grid.
     corner, right, down = rays[:, 0, 0], rays[:, 0, -1], rays[:, -1, 0]
@@ -138,8 +135,7 @@ def _imaged_circle(origin: Array, disc: Disc, rays: Array) -> tuple[tuple[float,
     conic = to_plane.T @ np.diag([1.0, 1.0, -(disc.size**2)]) @ to_plane
     middle = -np.linalg.solve(conic[:2, :2], conic[:2, 2])
     level = -(conic[2, 2] + conic[2, :2] @ middle)
-    axes = np.sort(np.sqrt(level / np.linalg.eigvalsh(conic[:2, :2])))
-    return (float(middle[1]), float(middle[0])), float(axes[1]), float(axes[0])
+    return float(np.sqrt(level / np.linalg.eigvalsh(conic[:2, :2])).max())
 
 
 def _a_disc(kind: str, rng: Rng) -> Disc:

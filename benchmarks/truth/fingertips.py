@@ -67,7 +67,6 @@ class ShapedFinger:
     """A photograph of a finger, its true semi-axes across and along, and the outline of its tip, mm."""
 
     pixels: Pixels
-    face: Face
     mm_per_px: float
     semi_axes: tuple[float, float]
     tip: Array
@@ -166,7 +165,7 @@ def render(name: str, rng: Rng, face: Face) -> ShapedFinger:
     shaft = _shaft(rng, tip, face, curve if face == "radial" else tip)
     top = tip[tip[:, 1].argmax()]
     reach = (tip[0, 0] - top[0], top[1] - tip[0, 1]) if face == "radial" else (tip[0, 0], top[1])
-    return ShapedFinger(photograph_outline(rng, shaft, face, scale), face, scale, reach, tip)
+    return ShapedFinger(photograph_outline(rng, shaft, face, scale), scale, reach, tip)
 
 
 def _shaft(rng: Rng, tip: Array, face: Face, seen: Array) -> Array:

@@ -88,18 +88,13 @@ CONDITIONS: dict[str, Condition] = {
 
 @dataclass(frozen=True, eq=False)
 class IndependentImage(TrueImage):
-    """Synthetic contact image and its truth; lengths are in mm.
+    """A contact image with its condition.
 
-    Coordinates have their origin at the image's upper left corner, x right and y down, so the centre of the
-    pixel in row i and column j is at ((j + ½) mm_per_px, (i + ½) mm_per_px). Semi-axes are those of the
-    ellipse of equal second moments: if the outline is none, π times both differs from the gross area.
+    Semi-axes are those of the ellipse of equal second moments: if the outline is none, π times both differs
+    from the gross area.
     """
 
-    ground: float  # grey of untouched glass at the contact's centre, without noise, in units of `pixels`
     condition: Condition
-    outline: Array  # points x, y
-    centre: Array  # centroid of the gross area
-    orientation: float  # of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]
 
 
 def independent_images(
@@ -120,24 +115,19 @@ def render(rng: Rng, condition: Condition) -> IndependentImage:
     of_contact, of_device = rng.spawn(2)
     of_skin = ("growth", "width_fade", "shape", "features", "uneven")
     contact = draw_contact(of_contact, **{name: getattr(condition, name) for name in of_skin})
-    pixels, ground, centre = _photograph(of_device, contact, condition)
-    area, centroid, semi_major, semi_minor, orientation = contact.outline.moments()
+    pixels, (area, _, *semi_axes) = _photograph(of_device, contact, condition), contact.outline.moments()
     return IndependentImage(
         pixels=pixels,
         mm_per_px=25.4 / condition.ppi,
         gross_area=area,
         ridge_area=contact.ridge_area(),
-        semi_axes=(semi_major, semi_minor),
-        ground=ground,
+        semi_axes=(semi_axes[0], semi_axes[1]),
         condition=condition,
-        outline=contact.outline.points() + centre,
-        centre=centroid + centre,
-        orientation=orientation,
     )
 
 
-def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> tuple[Array, float, Array]:
-    """Return pixels, the ground's grey at the contact and the place of its origin in the image, in mm."""
+def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> Array:
+    """Return pixels."""
     step = 25.4 / condition.ppi
     low, high = contact.outline.points().min(axis=0), contact.outline.points().max(axis=0)
     before, after = rng.uniform(1.5, 4, (2, 2))
@@ -154,9 +144,7 @@ def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> tuple
     fine = smooth_noise(rng, shape, 1e-3) + smooth_noise(rng, shape, 0.8)
     grey = light * (ground - contrast * darkness) + glare + condition.noise / np.sqrt(2) * fine
     full = 2**condition.bits - 1
-    at = (int(origin[1] / step), int(origin[0] / step))
-    pixels = np.round(full * np.clip(grey, 0, 1)).astype(np.uint8 if condition.bits == 8 else np.uint16)
-    return pixels, full * min(float(light[at] * ground + glare[at]), 1.0), origin
+    return np.round(full * np.clip(grey, 0, 1)).astype(np.uint8 if condition.bits == 8 else np.uint16)
 
 
 def _lighting(rng: Rng, shape: tuple[int, int], condition: Condition) -> tuple[Array, Array]:

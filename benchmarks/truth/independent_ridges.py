@@ -65,13 +65,12 @@ class Outline:
         sin, cos = np.sin(self.axis), np.cos(self.axis)
         return np.stack([-sin * along + cos * across, -cos * along - sin * across], axis=-1)
 
-    def moments(self) -> tuple[float, Array, float, float, float]:
-        """Return area, centroid (x, y), semi-axes and orientation of the ellipse of equal second moments.
+    def moments(self) -> tuple[float, Array, float, float]:
+        """Return area, centroid (x, y) and semi-axes of the ellipse of equal second moments.
 
         The integrals over the interior reduce to ∫s² dt, ∫s³ dt and ∫s⁴ dt, which the trapezoidal rule on a
         period gives to rounding. The semi-axes are twice the roots of the central second moments per area:
-        they are those of the outline if it is an ellipse. The orientation is counted as ``axis`` is, in
-        (−π/2, π/2].
+        they are those of the outline if it is an ellipse.
         """
         t = 2 * np.pi * np.arange(512) / 512
         s, (unit_x, unit_y) = self.radius(t), Outline(self.a, self.b, self.axis).points(512).T
@@ -80,10 +79,8 @@ class Outline:
         centre = weight * 2 / 3 * np.array([np.mean(s**3 * unit_x), np.mean(s**3 * unit_y)])
         directions = np.stack([unit_x, unit_y])
         second = weight / 2 * (s**4 * directions) @ directions.T / s.size - np.outer(centre, centre)
-        values, vectors = np.linalg.eigh(second)
-        angle = np.arctan2(-vectors[0, 1], -vectors[1, 1])
-        angle = angle - np.pi * np.ceil(angle / np.pi - 0.5)
-        return float(area), centre, 2 * float(np.sqrt(values[1])), 2 * float(np.sqrt(values[0])), float(angle)
+        values, _ = np.linalg.eigh(second)
+        return float(area), centre, 2 * float(np.sqrt(values[1])), 2 * float(np.sqrt(values[0]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,13 +14,11 @@ def test_the_moments_of_an_outline_are_those_of_the_points_inside_it():
     step = 0.03
     x, y = np.meshgrid(np.arange(-11, 11, step), np.arange(-11, 11, step))
     inside = np.stack([x, y])[:, EGG.level(x, y) < 1]
-    values, vectors = np.linalg.eigh(np.cov(inside))
-    area, centre, semi_major, semi_minor, orientation = EGG.moments()
+    values = np.linalg.eigvalsh(np.cov(inside))
+    area, centre, semi_major, semi_minor = EGG.moments()
     assert_allclose(area, inside.shape[1] * step**2, rtol=3e-4)
     assert_allclose(centre, inside.mean(axis=1), atol=2e-3)
     assert_allclose([semi_minor, semi_major], 2 * np.sqrt(values), rtol=3e-4)
-    axis = [-np.sin(orientation), -np.cos(orientation)]
-    assert_allclose(abs(axis @ vectors[:, 1]), 1, atol=1e-6)
 
 
 def test_the_intervals_hold_areas_and_semi_axes():
