@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims import fingertips
 from benchmarks.claims.fingertips import SIDES
 from benchmarks.tables import Row, errors_table, or_none, rows_of
 from benchmarks.truth.anatomic_fingers import FACES, WEDGES_DEG, AnatomicFinger, fingers
-from fingerpad.image import Face, PhotographFit, combine_faces
+from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
 from fingerpad.image.photograph.faces import SEMI_AXES
 from fingerpad.study.measuring.fingers import ELLIPSOID_STD, radius_deviation
 from fingerpad.uncertainty import Inputs, placement_model, propagate
@@ -22,7 +21,7 @@ TITLES: Final = ("Radius along the finger, faces combined", "Mean radius of curv
 def measure(truth: AnatomicFinger) -> dict[Face, PhotographFit]:
     """Return the measurements of a finger's photographs, without those that are refused."""
     found = {
-        face: fingertips.measure(pixels, face, truth.mm_per_px, SIDES[face])
+        face: or_none(measure_photograph, pixels, face, Scale(truth.mm_per_px), palmar=SIDES[face])
         for face, pixels in truth.photographs.items()
     }
     return {face: fit for face, fit in found.items() if fit is not None}

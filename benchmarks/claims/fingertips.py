@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
-from benchmarks.arrays import Array, Pixels
 from benchmarks.tables import Row, errors_table, or_none, rows_of
 from benchmarks.truth.fingertips import SHAPES, ShapedFinger, render
 from benchmarks.truth.true_image import named_rng
@@ -22,14 +21,8 @@ def measured(
         for number in range(count):
             face = faces[number % len(faces)]
             truth = render(name, named_rng(seed, name, number), face)
-            yield name, truth, measure(truth.pixels, face, truth.mm_per_px, SIDES[face])
-
-
-def measure(
-    pixels: Pixels, face: Face, mm_per_px: float, palmar: Direction | None, points: Array | None = None
-) -> PhotographFit | None:
-    """Return the measurement of a photograph, None where it is refused."""
-    return or_none(measure_photograph, pixels, face, Scale(mm_per_px), palmar=palmar, points=points)
+            scale = Scale(truth.mm_per_px)
+            yield name, truth, or_none(measure_photograph, truth.pixels, face, scale, palmar=SIDES[face])
 
 
 def report(count: int = 8, seed: int = 75) -> None:

@@ -12,9 +12,8 @@ import cv2
 import numpy as np
 
 from benchmarks.arrays import Array
-from benchmarks.claims import fingertips
-from benchmarks.tables import Row, percent, rows_of, share, stated, table
-from fingerpad.image import Face, PhotographFit
+from benchmarks.tables import Row, or_none, percent, rows_of, share, stated, table
+from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
 from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
 
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial", "ulnar")
@@ -55,7 +54,8 @@ def measure(finger: SyntheticFinger, *, marked: bool) -> PhotographFit | None:
     """Return the measurement of a finger with nine marks or none, None where it is refused."""
     palmar = None if finger.face == "palmar" else finger.palmar
     points = finger.arc_points(9) if marked else None
-    return fingertips.measure(finger.pixels, finger.face, finger.mm_per_px, palmar, points)
+    scale = Scale(finger.mm_per_px)
+    return or_none(measure_photograph, finger.pixels, finger.face, scale, palmar=palmar, points=points)
 
 
 def trial(seed: int, *, marked: bool) -> tuple[float, list[Row]]:
