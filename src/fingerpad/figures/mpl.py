@@ -138,6 +138,8 @@ def _set_axis(wanted: marks.Axis, axes: "Axes", name: Literal["x", "y"]) -> None
 
 
 def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
+    from matplotlib import collections, patches, path, patheffects
+
     look: dict[str, Any] = {"alpha": mark.alpha, "zorder": order, "label": mark.label or "_nolegend_"}
     coloured = {**look, "color": mark.colour}
     match mark:
@@ -148,15 +150,12 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
         case marks.Line() if mark.face:
-            from matplotlib.patches import PathPatch
-            from matplotlib.path import Path
-
             known = np.isfinite(mark.x + mark.y)
             goes_on = known & np.append(False, known[:-1])
-            codes = np.where(goes_on, Path.LINETO, Path.MOVETO)[known]
-            outline = Path(np.column_stack([mark.x, mark.y])[known], codes)
+            codes = np.where(goes_on, path.Path.LINETO, path.Path.MOVETO)[known]
+            outline = path.Path(np.column_stack([mark.x, mark.y])[known], codes)
             look |= {"facecolor": mark.face, "edgecolor": (mark.colour, mark.alpha), "alpha": None}
-            axes.add_patch(PathPatch(outline, linewidth=mark.width, **look))
+            axes.add_patch(patches.PathPatch(outline, linewidth=mark.width, **look))
         case marks.Line():
             look = {**coloured, "linewidth": mark.width, "clip_on": mark.clipped, "solid_capstyle": "butt"}
             axes.plot(mark.x, mark.y, mark.dash, **look)
@@ -171,9 +170,7 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
         case marks.Bars():
             axes.barh(mark.place, mark.length, height=mark.height, **coloured)
         case marks.Ellipses():
-            from matplotlib.collections import EllipseCollection
-
-            shapes = EllipseCollection(
+            shapes = collections.EllipseCollection(
                 mark.widths,
                 mark.heights,
                 mark.angles_deg,
@@ -185,9 +182,8 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
             axes.add_collection(shapes, autolim=False)
             shapes.set_clip_on(False)
         case marks.Text():
-            from matplotlib.patheffects import withStroke
-
             places = "data", "axes fraction"
+            halo = patheffects.withStroke(linewidth=HALO_PT, foreground=mark.halo)
             box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
             tag: dict[str, Any] = {"bbox": box, "style": "italic", "weight": "bold"} if mark.tag else {}
             axes.annotate(
@@ -202,7 +198,7 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
                 fontsize=mark.size,
                 annotation_clip=False,
                 zorder=order,
-                path_effects=[withStroke(linewidth=HALO_PT, foreground=mark.halo)] if mark.halo else [],
+                path_effects=[halo] if mark.halo else [],
                 **tag,
             )
         case marks.Picture():

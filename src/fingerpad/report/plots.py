@@ -31,8 +31,8 @@ from fingerpad.study.results.layer import curve_on_layer
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import Indices, PlacementKey, Row, records, with_areas
+from fingerpad.study.results.summary_file import PlacementKey, UncertaintyCheckRecord
+from fingerpad.study.results.table import Indices, Row, records, with_areas
 from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.uncertainty import Agreement
 from fingerpad.units import KPA_PER_MPA

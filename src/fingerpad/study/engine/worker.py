@@ -35,11 +35,7 @@ _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
 
 
 class WorkerDied(Exception):  # noqa: N818 (it reports what happened to a process)
-    """The process ended while it performed a task; `code` is its exit code."""
-
-    def __init__(self, code: int) -> None:
-        super().__init__(code)
-        self.code = code
+    """The process ended while it performed a task, with this exit code."""
 
 
 class Worker:
@@ -162,7 +158,7 @@ class IsolatedRunner:
             try:
                 return self._attempt(task)
             except WorkerDied as death:
-                reason = _reason_of_death(task.file, death.code)
+                reason = _reason_of_death(task.file, *death.args)
         return TaskResult({"reason": reason}, {}, 0.0, self.limits)
 
     def _attempt(self, task: Task) -> TaskResult:

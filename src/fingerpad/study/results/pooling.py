@@ -13,7 +13,8 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._words import counted
 from fingerpad.study.results import layer, model
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.table import PLACEMENT, Indices, PlacementKey, groups, numbered
+from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey
+from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty.press_slope import PressSlope
 
 # From which exponents and checks of areas follow.

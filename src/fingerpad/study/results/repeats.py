@@ -29,16 +29,8 @@ from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
 from fingerpad.study.results.pooling import area_noise
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary_file import AtLoadRecord, ValidityRecord
-from fingerpad.study.results.table import (
-    PLACEMENT,
-    GrowingArray,
-    Indices,
-    PlacementKey,
-    groups,
-    items,
-    numbered,
-)
+from fingerpad.study.results.summary_file import PLACEMENT, AtLoadRecord, PlacementKey, ValidityRecord
+from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
 from fingerpad.study.results.validity.checks import PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
 from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter, pad_model

@@ -19,16 +19,8 @@ from fingerpad.study.measuring.contacts import Measurement, excluding_flags, is_
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns, unit_of
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
-from fingerpad.study.results.table import (
-    COLUMNS,
-    PLACEMENT,
-    ColumnArray,
-    GrowingArray,
-    Indices,
-    PlacementKey,
-    Row,
-    table_of,
-)
+from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey
+from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.uncertainty.repeats import ContactRepeatability
 

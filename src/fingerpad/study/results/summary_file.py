@@ -20,7 +20,6 @@ from fingerpad._csv import package_table
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
-from fingerpad.study.results.table import PlacementKey
 
 
 def _nan(value: object) -> object:
@@ -42,6 +41,7 @@ SemiAxis: TypeAlias = Annotated[Number, AfterValidator(_plausible)]
 Interval: TypeAlias = tuple[Number, Number]
 Triple: TypeAlias = tuple[Number, Number, Number]
 Shares: TypeAlias = dict[str, Number]
+PlacementKey: TypeAlias = tuple[Any, ...]
 
 # What a key tells of the one that it begins with, where it has no description of its own.
 _COMPANIONS: Final = {
@@ -96,6 +96,10 @@ class Placed(Record):
     def key(self) -> PlacementKey:
         """The values of `PLACEMENT`."""
         return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+
+# What the rows of one summary have in common.
+PLACEMENT: Final = tuple(Placed.model_fields)
 
 
 class FaceRecord(Record):

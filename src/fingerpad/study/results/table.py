@@ -74,9 +74,6 @@ COLUMNS: Final[Mapping[str, Column]] = {
 }
 DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)
 
-# What the rows of one summary have in common.
-PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
-PlacementKey: TypeAlias = tuple[Any, ...]
 Row: TypeAlias = dict[str, Any]
 Indices: TypeAlias = npt.NDArray[np.intp]
 

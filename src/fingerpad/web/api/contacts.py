@@ -35,7 +35,8 @@ from fingerpad.study.measuring.contacts import (
     reviewed,
 )
 from fingerpad.study.results.rows import model_contact
-from fingerpad.study.results.table import COLUMNS, PLACEMENT, first_record
+from fingerpad.study.results.summary_file import PLACEMENT
+from fingerpad.study.results.table import COLUMNS, first_record
 from fingerpad.study.results.validity.model_checks import HEADLINES
 from fingerpad.web.answers import Answer, Point, Quantity, RequestError, quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, router

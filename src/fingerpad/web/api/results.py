@@ -19,17 +19,8 @@ from fingerpad.report.plots import group_name
 from fingerpad.report.text import check_words, pooling_words
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results import output
-from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import (
-    COLUMNS,
-    GLOSSARY,
-    PLACEMENT,
-    PlacementKey,
-    Row,
-    items,
-    records,
-    with_areas,
-)
+from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey, UncertaintyCheckRecord
+from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
 from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of, with_unit
 from fingerpad.web.api.base import Opened, Params, Query, here, router
 
