@@ -18,10 +18,12 @@ class EdgeModel:
 
     # How far the edge lies further out than the outline.
     ends: float = 0.084  # periods; between the ends of ridges
-    sharp: float = -0.148  # periods more; for a contact that does not fade, with nothing seen outside
-    by_thinning: float = 0.57  # periods; by how much less ridge the last period has than the one before
-    by_outside: float = 1.0  # periods; by the ridges just outside in parts of those inside
-    by_beyond: float = 5.0  # periods a contrast; by the ridges beyond
+    sharp: float = -0.22  # periods more; for a contact that does not fade, with nothing seen outside
+    by_thinning: float = 0.60  # periods; by how much less ridge the last period has than the one before
+    by_outside: float = 1.38  # periods; by the ridges just outside in parts of those inside
+    by_blur: float = 0.24  # of these; blur shows as many of ridges that end sharply, and more tell nothing
+    by_blur_and_beyond: float = 6.0  # a contrast; but for more ridges beyond
+    by_beyond: float = 4.4  # periods a contrast; by the ridges beyond
 
     # Where that is looked at.
     ground: Band = (2.0, 3.0)  # the ground

@@ -210,9 +210,19 @@ def _fade(signs: FadeSigns) -> float:
     ridge in the last period than in the one before, and what still varies along the outline outside, show how
     far. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
-    fade = EDGE.sharp + EDGE.by_thinning * signs.thinning
-    fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * max(signs.beyond - EDGE.hardly, 0.0)
-    return fade
+    thinning, outside, beyond = telling(signs)
+    return EDGE.sharp + EDGE.by_thinning * thinning + EDGE.by_outside * outside + EDGE.by_beyond * beyond
+
+
+def telling(signs: FadeSigns) -> tuple[float, float, float]:
+    """Return what of thinning, outside and beyond tells how far the edge lies beyond its outline.
+
+    Blur shows ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to
+    it, within a tenth of a mm. More of them tell no more, unless ridges are seen beyond too.
+    """
+    beyond = max(signs.beyond - EDGE.hardly, 0.0)
+    most = EDGE.by_blur + EDGE.by_blur_and_beyond * beyond
+    return signs.thinning, min(signs.outside, most), beyond
 
 
 def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any]]) -> npt.NDArray[Any]:
