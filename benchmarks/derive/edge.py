@@ -29,7 +29,7 @@ from fingerpad.image.scale import Scale
 MODEL = EDGE
 
 
-_SIGNS: Final = ["thinning", "outside", "beyond"]
+_SIGNS: Final = ["thinning", "outside", "beyond", "followed"]
 
 
 def images(count: int, seed: int) -> Iterator[tuple[str, TrueImage]]:
@@ -83,10 +83,11 @@ def show(count: int, seed: int, other: int) -> None:
     looked = ([look(*image) for image in images(count, each)] for each in (seed, other))
     seen, unseen = (pd.DataFrame([one for one in some if one is not None]) for some in looked)
     found = fit(seen)
-    print("    sharp, by_thinning, by_outside, by_beyond")
+    print("    sharp, by_thinning, by_outside, by_beyond, by_followed")
     print("fitted", np.round([found[0] - EDGE.ends, *found[1:]], 3))
-    print("in use", [EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond])
-    in_use = np.array([EDGE.ends + EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond])
+    slopes = [EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond, EDGE.by_followed]
+    print("in use", [EDGE.sharp, *slopes])
+    in_use = np.array([EDGE.ends + EDGE.sharp, *slopes])
     print("Mean errors in periods, outward: left out of the fit; on other images fitted, in use")
     fitted, used = _errors_by_set(unseen, found), _errors_by_set(unseen, in_use)
     for name in fitted:

@@ -24,6 +24,8 @@ class EdgeModel:
     by_blur: float = 0.24  # of these; blur shows as many of ridges that end sharply, and more tell nothing
     by_blur_and_beyond: float = 6.0  # a contrast; but for more ridges beyond
     by_beyond: float = 4.4  # periods a contrast; by the ridges beyond
+    by_followed: float = 0.6  # periods; by how much more of the outline than usual follows ridges
+    usually_followed: float = 0.25  # of the outline follows ridges
 
     # Where that is looked at.
     ground: Band = (2.0, 3.0)  # the ground
@@ -54,6 +56,7 @@ class EdgeModel:
     beyond_std: float = 3.5  # periods a contrast; by the ridges beyond
     rim_std: float = 0.25  # periods; where a rim covers all ridges
     untold_std: float = 0.3  # periods; where all of the outline follows ridges
+    followed_std: float = 0.6  # periods; by how much more of the outline than usual does
     unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
     # Standard deviation by which the edge varies within one image.

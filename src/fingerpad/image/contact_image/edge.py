@@ -58,6 +58,7 @@ class FadeSigns(NamedTuple):
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
     # How much too little of the outline crosses ridges, and so tells how the contact ends, 0 to 1
     untold: float = 0.0
+    followed: float = 0.0  # by how much more of the outline than usual follows ridges, 0 to 1
     bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
 
     @property
@@ -198,6 +199,7 @@ def fade_signs(
         rim=float(np.maximum(1 - shown, 0) ** 2),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
         untold=untold,
+        followed=max(float(edge.along.mean()) - EDGE.usually_followed, 0.0),
         bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
     )
     return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
@@ -210,19 +212,21 @@ def _fade(signs: FadeSigns) -> float:
     ridge in the last period than in the one before, and what still varies along the outline outside, show how
     far. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
-    thinning, outside, beyond = telling(signs)
-    return EDGE.sharp + EDGE.by_thinning * thinning + EDGE.by_outside * outside + EDGE.by_beyond * beyond
+    thinning, outside, beyond, followed = telling(signs)
+    fade = EDGE.sharp + EDGE.by_thinning * thinning + EDGE.by_outside * outside
+    return fade + EDGE.by_beyond * beyond + EDGE.by_followed * followed
 
 
-def telling(signs: FadeSigns) -> tuple[float, float, float]:
-    """Return what of thinning, outside and beyond tells how far the edge lies beyond its outline.
+def telling(signs: FadeSigns) -> tuple[float, float, float, float]:
+    """Return what of thinning, outside, beyond and followed tells how far the edge lies beyond its outline.
 
-    Blur shows ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to
-    it, within a tenth of a mm. More of them tell no more, unless ridges are seen beyond too.
+    An outline that follows a ridge ends at it, where the contact may go on over the valley beyond. Blur shows
+    ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to it, within
+    a tenth of a mm. More of them tell no more, unless ridges are seen beyond too.
     """
     beyond = max(signs.beyond - EDGE.hardly, 0.0)
     most = EDGE.by_blur + EDGE.by_blur_and_beyond * beyond
-    return signs.thinning, min(signs.outside, most), beyond
+    return signs.thinning, min(signs.outside, most), beyond, signs.followed
 
 
 def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any]]) -> npt.NDArray[Any]:
@@ -318,6 +322,7 @@ def edge_offset_std(edge: Edge) -> float:
         EDGE.rim_std * edge.signs.rim * edge.period,
         EDGE.unevenness_std * edge.signs.unevenness * edge.period,
         EDGE.untold_std * edge.signs.untold * edge.period,
+        EDGE.followed_std * edge.signs.followed * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )
     return math.hypot(*terms)
