@@ -1,4 +1,4 @@
-"""Words of lists and counts."""
+"""Words of lists and counts, and how sentences begin."""
 
 from collections.abc import Iterable
 
@@ -16,3 +16,8 @@ def counted(count: int, noun: str) -> str:
     """Return a count with its noun, in the plural where that is due."""
     plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
     return f"{count} {noun if count == 1 else plural}"
+
+
+def capitalized(words: str) -> str:
+    """Return words with their first letter as a capital, and the others as they are."""
+    return words[:1].upper() + words[1:]

@@ -38,6 +38,11 @@ def test_json_keys(curve: Path) -> None:
         "initial_modulus_kpa": 40,
         "load_coefficient_kpa_per_N": 20,
     }
+    others = ("reduced_modulus_kpa", "youngs_modulus_kpa", "load_exponent", "area_exponent")
+    for name in (*truth, *others):
+        low, high = record[f"{name}_ci95"]
+        assert low < record[name] < high
+        assert record[f"{name}_std"] > 0
     for name, true in truth.items():
         assert record[name] == pytest.approx(true, abs=4 * record[f"{name}_std"])
     (segments,) = record["segments"]

@@ -11,6 +11,7 @@ from markupsafe import Markup
 import fingerpad
 from fingerpad._files import explain_write_errors, make_folder
 from fingerpad._rounding import two_digits, value_with_uncertainty
+from fingerpad._words import capitalized
 from fingerpad.figures import new_panels
 from fingerpad.figures.compare import colours_of, plot_forest
 from fingerpad.report.plot import Plot, save_plots
@@ -106,7 +107,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
     yield Plot(
         name=f"compare_{quantity}",
         figure=figure,
-        caption=f"{kind.words[0].upper()}{kind.words[1:]}, with one standard uncertainty"
+        caption=f"{capitalized(kind.words)}, with one standard uncertainty"
         + ("; diamonds: means over people with their 95 % interval, which may leave the frame; bar: one "
            "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
         + (". Hollow: synthetic" if any(value.synthetic for value in values) else "")

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad._words import counted, joined
+from fingerpad._words import capitalized, counted, joined
 from fingerpad.flags import FLAGS, Flag, beside_a_layer, flags_in
 from fingerpad.image import PadSemiAxes
 from fingerpad.loading.layer import THICKER_THAN_FINGER, LayerThicknessFit
@@ -116,7 +116,7 @@ def photograph_flags(codes: Iterable[str]) -> list[Flag]:
 
 def advice(flag: Flag) -> str:
     """Return what a flag means, and what to do about it, as sentences."""
-    return f"{flag.words[0].upper()}{flag.words[1:]}. To do: {flag.to_do}."
+    return f"{capitalized(flag.words)}. To do: {flag.to_do}."
 
 
 def phase_words(phases: ManualPhases) -> str:
@@ -264,14 +264,14 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
     for summary, validity in zip(result.summaries, result.validities, strict=True):
-        modulus = validity.headlines[MODULUS]
-        if result.study.surface == "ridged" and (modulus.value < _SOFTEST or modulus.value > _HARDEST):
+        names, modulus = names_by_note(summary), validity.headlines[MODULUS]
+        unusual = modulus.value < _SOFTEST or modulus.value > _HARDEST
+        if unusual and result.study.surface == "ridged" and "implausible_modulus" not in names:
             yield (
                 f"{placement_words(summary)}: Young's modulus is "
                 f"{value_with_uncertainty(modulus.value, modulus.total_std)} kPa, where 20 to 200 kPa are "
                 "known of finger pads: check loads, in N, and scale"
             )
-        names = names_by_note(summary)
         for flag in (FLAGS["row"][code] for code in _OF_NO_FINGER if code in names):
             which = joined(names[flag.code], _MOST_NAMED)
             yield f"{placement_words(summary)}: {which}: {flag.words}: {flag.to_do}"

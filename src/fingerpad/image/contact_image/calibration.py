@@ -21,8 +21,8 @@ class EdgeModel:
     sharp: float = -0.22  # periods more; for a contact that does not fade, with nothing seen outside
     by_thinning: float = 0.60  # periods; by how much less ridge the last period has than the one before
     by_outside: float = 1.38  # periods; by the ridges just outside in parts of those inside
-    by_blur: float = 0.24  # of these; blur shows as many of ridges that end sharply, and more tell nothing
-    by_blur_and_beyond: float = 6.0  # a contrast; but for more ridges beyond
+    by_blur: float = 0.24  # that part counts up to this, which blur shows at a sharp edge too,
+    by_blur_and_beyond: float = 6.0  # and up to so much more by the ridges beyond, a contrast
     by_beyond: float = 4.4  # periods a contrast; by the ridges beyond
     by_followed: float = 0.6  # periods; by how much more of the outline than usual follows ridges
     usually_followed: float = 0.25  # of the outline follows ridges

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from fingerpad._arrays import BoolArray
 from fingerpad._rounding import value_with_uncertainty
+from fingerpad._words import capitalized
 from fingerpad.flags import FLAGS
 from fingerpad.published import audit
 from fingerpad.report.plots import group_name
@@ -249,8 +250,8 @@ def plot(opened: Opened) -> list[PlottedGroup]:
         key = tuple(row[name] for name in PLACEMENT)
         if key in placed:
             placed[key].append(row)
-    found_at = output.answers(found.summary.summaries, found.summary.by_load)
-    return [_group(one, placed[one.of.key], active) for one in found_at]
+    answers = output.answers(found.summary.summaries, found.summary.by_load)
+    return [_group(one, placed[one.of.key], active) for one in answers]
 
 
 def _group(found: output.Answer, placed: list[Row], active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
@@ -262,7 +263,7 @@ def _group(found: output.Answer, placed: list[Row], active: Mapping[str, ActiveC
     return PlottedGroup.of(
         of,
         figure=group_name(of.key),
-        answer=f"{found.text[:1].upper()}{found.text[1:]}.".replace(" ± ", "\u00a0±\u00a0"),
+        answer=f"{capitalized(found.text)}.".replace(" ± ", "\u00a0±\u00a0"),
         pooling=_pooling(rows, rejected, active),
         items=[row["observation"] for row in rows],
         load_N=[row["load_N"] for row in rows],

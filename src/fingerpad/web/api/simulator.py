@@ -10,6 +10,7 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
+from fingerpad._words import capitalized
 from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason, export_finger, simulator_law
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
@@ -76,7 +77,7 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
         targets.append(target(elements, name="Finite elements on the exported tissue", value=value))
         reason = "Finite elements: the exported tissue is bent and has free sides, the law's layer has none."
     if reason:
-        notes.append(f"{reason[0].upper()}{reason[1:].rstrip('.')}.")
+        notes.append(f"{capitalized(reason.rstrip('.'))}.")
     return SimulatorNumbers(source=pad.source, model=law.model, targets=targets, notes=notes)
 
 
