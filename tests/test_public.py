@@ -32,6 +32,17 @@ def test_every_name_of_the_reference_stands_on_a_page_for_a_task() -> None:
     assert [name for name in names if not re.search(rf"\b{name.split('.')[-1]}\b", texts)] == []
 
 
+def test_names_are_in_the_files_that_the_page_for_contributors_says() -> None:
+    page = (ROOT / "docs/contributing.md").read_text(encoding="utf-8")
+    in_paths = re.findall(r"^ {4}.*?([\w.]+) +([\w/]+\.py) {2,}", page, re.MULTILINE)
+    named = [*in_paths, *re.findall(r"`(\w+)`\*{0,2} \(`([\w/]+\.py)`", page)]
+    assert len(named) > 20
+    for name, file in named:
+        paths = [ROOT / "src/fingerpad" / part / file for part in ("", "study", "contact")]
+        text = "".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+        assert re.search(rf"(def|class) {name.split('.')[-1]}\b", text), f"{name} is not in {file}"
+
+
 def test_unknown_name() -> None:
     with pytest.raises(AttributeError, match="No fingerpad attribute elipsoid"):
         fp.elipsoid  # noqa: B018

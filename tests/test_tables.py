@@ -1,6 +1,7 @@
 """Tables of every kind: the same numbers from each, and clear words for what is none."""
 
 import io
+import re
 import struct
 import zipfile
 import zlib
@@ -18,11 +19,12 @@ from scipy.io import savemat
 from tests.workbooks import MAIN, sheet_xml, workbook
 
 from fingerpad import _tables
-from fingerpad._tables import parse_table, read_table
+from fingerpad._tables import TABLE_SUFFIXES, parse_table, read_table
 from fingerpad.exceptions import LoadingError
 from fingerpad.image.sequence.force import read_force_signal
 from fingerpad.loading import read_loading_curve
 
+TEXTS = {".md", ".py", ".toml", ".js"}
 HEADER = ("time_s", "force_N", "displacement_mm")
 NUMBERS = st.floats(-1e9, 1e9).map(float)
 
@@ -82,6 +84,22 @@ def test_curves_and_forces_are_read_from_any_of_them(tmp_path: Path) -> None:
         assert np.array_equal([curve.load, curve.indentation], np.transpose(rows)[1:]), name
         assert np.array_equal([force.time, force.load, force.displacement], np.transpose(rows)), name
         assert read_table(tmp_path / name, LoadingError, head_only=True).header == list(HEADER)
+
+
+def test_texts_that_list_kinds_of_tables_name_all() -> None:
+    root = Path(__file__).parents[1]
+    kinds = {suffix[1:].upper() for suffix in TABLE_SUFFIXES - {".tsv"}}
+    paths = [path for part in ("src/fingerpad", "docs") for path in (root / part).rglob("*.*")]
+    texts = {
+        path: " ".join(path.read_text(encoding="utf-8").split()) for path in paths if path.suffix in TEXTS
+    }
+    lists = [
+        (path, text[at.start() - 20 : at.end() + 90])
+        for path, text in texts.items()
+        for at in re.finditer("XLSX, MAT", text)
+    ]
+    assert len(lists) >= 10
+    assert [(path.name, listed) for path, listed in lists if not all(kind in listed for kind in kinds)] == []
 
 
 def test_columns_of_a_matrix_are_named_by_their_number(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -199,6 +201,13 @@ def test_workers_end_with_their_parent(tmp_path):
     os.kill(pid, signal.SIGKILL)
     os.waitpid(pid, 0)
     assert wait_until(lambda: not _is_running(worker))
+
+
+def test_a_worker_whose_answer_nobody_takes_ends_without_a_word():
+    serve = "from fingerpad.study.engine.worker import serve; serve()"
+    with subprocess.Popen([sys.executable, "-c", serve], stdin=-1, stdout=-1, stderr=-1) as worker:
+        worker.stdout.close()
+        assert (worker.stderr.read(), worker.wait()) == (b"", 1)
 
 
 def _is_running(pid: int) -> bool:

@@ -212,9 +212,11 @@ def serve() -> None:
     questions: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_receive, args=(sys.stdin.buffer, questions), daemon=True).start()
     idle_bytes = _virtual_bytes()
-    _send(answers, b"ready")
-    while True:
-        _send(answers, _answer(questions.get(), idle_bytes))
+    with suppress(BrokenPipeError):  # the parent has ended just now
+        _send(answers, b"ready")
+        while True:
+            _send(answers, _answer(questions.get(), idle_bytes))
+    os._exit(1)
 
 
 def _answer(question: bytes, idle_bytes: int) -> bytes:
