@@ -117,6 +117,10 @@ def press(keys: str) -> str:
         ("palmar = 3\n" + VALID, "palmar: unknown key; it belongs in another table"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
         (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'; .* without quotes"),
+        (
+            VALID.partition("{ semi")[0] + "[7.4, 5.0]",
+            "ellipse_mm: .* table, as in { semi_major = ..., .* found .7",
+        ),
         (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
         (VALID + ROW.replace('"a"', '"A"'), r"observations\[1\].name: 'A' is taken; names must differ"),
         (image('file = "a\\u0000.png"\nscale = { ppi = 500 }'), "is no file name"),

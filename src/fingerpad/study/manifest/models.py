@@ -777,6 +777,10 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             words = f"write it with letters, digits and . _ + - only, found {fault['input']!r}"
         elif fault["type"] == "missing":
             words = "required, but missing"
+        elif fault["type"] == "model_type":
+            fields = _models()[fault["ctx"]["class_name"]].model_fields
+            keys = ", ".join(f"{name} = ..." for name, field in fields.items() if field.is_required())
+            words = f"expected a table{f', as in {{ {keys} }}' if keys else ''}, found {fault['input']!r:.60}"
         elif isinstance(fault["input"], str | int | float | bool):
             words = f"{message}, found {repr(fault['input'])[:60]}"
             if fault["type"] == "float_type" and isinstance(fault["input"], str):
@@ -795,15 +799,21 @@ def key_path(loc: Loc) -> str:
 
 
 @cache
-def _keys() -> tuple[str, ...]:
-    """Return the keys of all tables, for what a misspelt one was meant to be."""
+def _models() -> dict[str, type[ManifestModel]]:
+    """Return the models of all tables by their names."""
 
-    def inner(models: Iterable[type[ManifestModel]]) -> Iterator[str]:
+    def inner(models: Iterable[type[ManifestModel]]) -> Iterator[type[ManifestModel]]:
         for model in models:
-            yield from model.model_fields
+            yield model
             yield from inner(model.__subclasses__())
 
-    return tuple(dict.fromkeys(inner((Study, *ManifestModel.__subclasses__()))))
+    return {model.__name__: model for model in inner((Study, *ManifestModel.__subclasses__()))}
+
+
+@cache
+def _keys() -> tuple[str, ...]:
+    """Return the keys of all tables, for what a misspelt one was meant to be."""
+    return tuple(dict.fromkeys(key for model in _models().values() for key in model.model_fields))
 
 
 def _hint(key: str) -> str:

@@ -170,10 +170,7 @@ def figures(opened: Opened) -> list[FigureEntry]:
 def figure(opened: Opened, name: str) -> FigureDetails:
     """Return what can be set of a figure, as it is in the report."""
     found = _figure(opened, name)
-    labels = {
-        "x": {plain_text(panel.x.label) for panel in found.panels},
-        "y": {plain_text(panel.y.label) for panel in found.panels},
-    }
+    labels = {axis: {plain_text(getattr(panel, axis).label) for panel in found.panels} for axis in "xy"}
     axes = {axis: name for axis, names in labels.items() if len(names) == 1 for name in names if name}
     return FigureDetails.of(found, colours=figure_colours(found), axes=axes)
 

@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 import unicodedata
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from http import HTTPStatus
 from itertools import count
@@ -73,8 +73,7 @@ async def upload(
             target = placed(path, home / plain, digest)
             new = not path.exists()
         finally:
-            with suppress(OSError):
-                path.unlink()
+            path.unlink(missing_ok=True)
         try:
             found = _described(opened, target)
         except FingerpadError as error:

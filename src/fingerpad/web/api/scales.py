@@ -3,11 +3,12 @@
 from pathlib import PurePosixPath
 from typing import Annotated, Final
 
-import cv2
 import numpy as np
+from PIL import Image
 from pydantic import Field
 
 from fingerpad._files import file_stem
+from fingerpad.figures.style import PNG_LEVEL
 from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
@@ -148,11 +149,8 @@ def rectify(opened: Opened, params: Body[RectifyParams]) -> RectifiedPictures:
         pixels, _scale = grid.rectified(opened.pictures.grey(ImageLocation(opened.file(file))))
         name = str(PurePosixPath(file).with_suffix("")).replace("/", "__")
         target = folder / f"{file_stem(name)}.png"
-        good, content = cv2.imencode(".png", pixels)
-        if not good:
-            raise RequestError.impossible(f"{file}: cannot be written as PNG")
         part = target.with_suffix(".part")
-        part.write_bytes(content.tobytes())
+        Image.fromarray(pixels).save(part, "png", compress_level=PNG_LEVEL)
         part.replace(target)
         written[file] = f"{_RECTIFIED}/{target.name}"
     return RectifiedPictures.of(grid.rectified_scale, files=written)

@@ -57,12 +57,11 @@ class Frames(Answer):
 class SequenceSignal(Answer):
     """Force of a sequence over time, thinned for drawing, and how well displaced frames agree with it.
 
-    `phases` are those found from the force; what a person set is the correction of ``SEQUENCE#phases``.
-
-    `time_s` and `load_N` are the extremes in some thousand steps of time. `area_scatter` is the relative
-    scatter of the areas of the last run about a power law of the load, with all frames later by `shift_s`.
-    `start_s` is the time of frame 0 on the force's clock, None where each frame has a time of its own or no
-    run has measured them.
+    `time_s` and `load_N` are the extremes in some thousand steps of time. `phases` are those found from the
+    force; what a person set is the correction of ``SEQUENCE#phases``. `start_s` is the time of frame 0 on the
+    force's clock, None where each frame has a time of its own or no run has measured them. `area_scatter` is
+    the relative scatter of the areas of the last run about a power law of the load, with all frames later by
+    `shift_s`.
     """
 
     time_s: list[float]
