@@ -116,11 +116,13 @@ def press(keys: str) -> str:
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
         ("palmar = 3\n" + VALID, "palmar: unknown key; it belongs in another table"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
-        (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'; .* without quotes"),
+        (changed("= 2\n", '= "2"\n'), "load_N: expected a number, found '2'; .* without quotes"),
         (
             VALID.partition("{ semi")[0] + "[7.4, 5.0]",
             "ellipse_mm: .* table, as in { semi_major = ..., .* found .7",
         ),
+        (image('file = "study.toml"\nscale = { ppi = 500 }\nseed_px = [1]'), "at least 2 values, found .1."),
+        (VALID + "synthetic = 'yes'", "synthetic: expected true or false, found 'yes'"),
         (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
         (VALID + ROW.replace('"a"', '"A"'), r"observations\[1\].name: 'A' is taken; names must differ"),
         (image('file = "a\\u0000.png"\nscale = { ppi = 500 }'), "is no file name"),
@@ -189,7 +191,7 @@ def test_names_file_key_and_what_was_expected(tmp_path, text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (f"{HEADER}\nb,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a valid number.*found 'x'"),
+        (f"{HEADER}\nb,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a number.*found 'x'"),
         (f"{HEADER}\n\nb,index,45,2,5,4", "rows.csv, line 3: ellipse_mm.std: required, but missing"),
         (f"{HEADER}\n{CELLS},extra", "rows.csv, line 2: more cells than the header has columns"),
         (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')};x", "line 2: more cells"),

@@ -99,7 +99,10 @@ def _keys_of(model: type[ManifestModel], keys: tuple[str, ...]) -> tuple[str, ..
 
 def _listed(value: object) -> object:
     """Let a spreadsheet's cell hold a list, as in "250, 200"."""
-    return [float(part) for part in value.split(",")] if isinstance(value, str) else value
+    try:
+        return [float(part) for part in value.split(",")] if isinstance(value, str) else value
+    except ValueError:
+        raise ValueError("expected numbers, as in 250, 200") from None
 
 
 Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
@@ -762,6 +765,20 @@ def validated(model: type[Model], content: Any, where: str, *, strict: bool) -> 
     return found
 
 
+# What is expected where the kind of a value is wrong; other words are pydantic's.
+_EXPECTED: Final = {
+    "bool": "true or false",
+    "dict": "a table",
+    "float": "a number",
+    "int": "a whole number",
+    "int_from_float": "a whole number",
+    "list": "a list",
+    "string": "text",
+    "too_short": "at least {min_length} values",
+    "too_long": "at most {max_length} values",
+}
+
+
 def _faults(error: ValidationError) -> Iterator[Fault]:
     """Yield each fault with what is expected and what was found."""
     unknown = [str(fault["loc"][-1]) for fault in error.errors() if fault["type"] == "extra_forbidden"]
@@ -769,6 +786,7 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
     for fault in error.errors():
         key = str(fault["loc"][-1]) if fault["loc"] else ""
         message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+        kind = fault["type"].removesuffix("_type").removesuffix("_parsing")
         if fault["type"] == "missing" and key in meant:
             continue  # said with the unknown key that was meant for it
         if fault["type"] == "extra_forbidden":
@@ -781,7 +799,9 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             fields = _models()[fault["ctx"]["class_name"]].model_fields
             keys = ", ".join(f"{name} = ..." for name, field in fields.items() if field.is_required())
             words = f"expected a table{f', as in {{ {keys} }}' if keys else ''}, found {fault['input']!r:.60}"
-        elif isinstance(fault["input"], str | int | float | bool):
+        elif kind in _EXPECTED or isinstance(fault["input"], str | int | float | bool):
+            if kind in _EXPECTED:
+                message = f"expected {_EXPECTED[kind].format(**fault.get('ctx', {}))}"
             words = f"{message}, found {repr(fault['input'])[:60]}"
             if fault["type"] == "float_type" and isinstance(fault["input"], str):
                 words += "; numbers stand without quotes and have a decimal point"
