@@ -15,7 +15,8 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
-from fingerpad.exceptions import EditConflict, ManifestError, StoreError
+from fingerpad._files import make_folder
+from fingerpad.exceptions import EditConflict, ManifestError
 from fingerpad.study.corrections.log import CorrectionLog, ItemKind, parts_of_item
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, locked, read_text_or_none, replace_files
@@ -393,10 +394,7 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
     """Begin a study in a folder that has none; pictures may lie there already."""
     if not title.strip():
         raise ManifestError("a study needs a title")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"{folder}: cannot make this folder ({error.strerror})") from error
+    make_folder(folder)
     with locked(folder, folder / LOCK_NAME):
         complete(folder)
         if (folder / STUDY_NAME).exists():

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-from fingerpad._files import check_new
+from fingerpad._files import check_new, explain_write_errors
 from fingerpad.contact import Tissue, equivalent_radius_from_compliance, hertz_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
@@ -33,16 +33,14 @@ def _text_of(file: str) -> str:
 def write_manifest(folder: Path, text: str) -> Path:
     """Write a manifest and its schema into a folder, overwriting nothing; errors as for `write_template`."""
     content = manifest_files(text)
-    try:
+    with explain_write_errors(folder, error=ManifestError):
         folder.mkdir(parents=True, exist_ok=True)
-        for name in content:
-            if (folder / name).exists():
-                raise ManifestError(f"{folder / name}: is there already; name another folder")
+        for path in (folder / name for name in content):
+            if path.exists():
+                raise ManifestError(f"{path}: is there already; name another folder")
         for name, lines in content.items():
             with (folder / name).open("x", encoding="utf-8") as file:
                 file.write(lines)
-    except OSError as error:
-        raise ManifestError(f"{folder}: cannot write a study there ({error.strerror})") from error
     return folder / STUDY_NAME
 
 
