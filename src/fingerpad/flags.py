@@ -235,6 +235,11 @@ _CURVE: Final = (
         "record the force with more digits, or in a smaller range of the sensor",
     ),
     Flag("saturated_force", "rows at the sensor's limit are left out", "press less, or take a larger sensor"),
+    Flag(
+        "clipped_area",
+        "areas of exactly zero, or at one limit, under load are left out",
+        "look at their frames: lost, below a threshold, or larger than the camera sees",
+    ),
     Flag("duplicated_time", "rows of one time are spread evenly", "record the time with more digits"),
     Flag(
         "time_gap",
@@ -310,8 +315,8 @@ _CURVE: Final = (
     Flag("region_given", "the range of loads to fit was given, not found", "state the range with the result"),
     Flag(
         "misfit",
-        "another explanation fits the curve better",
-        "measure or state what it names, such as the stage's compliance",
+        "another explanation fits the curve better, or none has the shape of its force",
+        "measure or state what it names, such as the stage's compliance; look for a slip",
     ),
     Flag(
         "area_offset",

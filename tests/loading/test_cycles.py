@@ -114,6 +114,21 @@ def test_saturated_rows_left_out_and_flagged() -> None:
     assert fit.modulus_load < 1.52
 
 
+@pytest.mark.parametrize("clip", ["none below 15 mm²", "lost frames", "larger than the frame"])
+def test_areas_that_are_none_are_left_out_and_flagged(clip) -> None:
+    area, top = CURVE.area.copy(), np.max(CURVE.area)
+    if clip == "none below 15 mm²":
+        area[area < 15] = 0
+    elif clip == "lost frames":
+        area[np.flatnonzero(area > top / 2)[3::40]] = 0
+    else:
+        area = np.minimum(area, 0.7 * top)
+    fit = fit_loading_curve(replace(CURVE, area=area))
+    assert "clipped_area" in fit.flags
+    assert {"misfit", "area_offset", "correlated_area"}.isdisjoint(fit.flags)
+    assert abs(fit.loading_radius.value - 15) < 3 * fit.loading_radius.std < 1.5
+
+
 def test_a_rounded_force_is_right_within_its_uncertainty() -> None:
     """Hertz's sphere of 12 mm and 60 kPa: every reading before contact is off by the same part of a step."""
     rng, step = np.random.default_rng(4), 0.05

@@ -38,6 +38,44 @@ def test_a_wrong_model_is_named_and_its_intervals_hold_the_truth(name, explanati
     assert 0 < fit.misfit_std["loading_radius"] < fit.loading_radius.std
 
 
+def pressed(grown, seed: int) -> LoadingCurve:
+    """Return a Hertzian press of PAD of 600 rows, its load grown by a factor of the indentation in mm."""
+    rng = np.random.default_rng(seed)
+    travel = np.linspace(-0.6, 1.6, 600)
+    xi = np.maximum(travel, 0)
+    load = 4 / 3 * PAD.reduced * np.sqrt(PAD.radius) * xi**1.5 * grown(xi)
+    return LoadingCurve(
+        load=load + rng.normal(0, 0.004, 600),
+        indentation=travel + 0.3 + rng.normal(0, 0.003, 600),
+        area=np.where(xi > 0, np.pi * PAD.radius * xi + rng.normal(0, 0.7, 600), 0),
+        time=travel + 1,
+    )
+
+
+@pytest.mark.parametrize(
+    "grown", [lambda xi: np.exp(0.8 * xi), lambda xi: (xi / 1.6 + 1e-9) ** 0.6], ids=["exponential", "power"]
+)
+def test_tissue_that_stiffens_by_another_law_is_held(grown) -> None:
+    """The law's misfit was taken for drift of the force, and moved the modulus out of its interval."""
+    for seed in range(3):
+        fit = fit_loading_curve(pressed(grown, seed))
+        depth = np.interp(fit.modulus_load, *truth_of(grown))
+        modulus = PAD.modulus * float(grown(depth))
+        assert fit.youngs_modulus.lower < modulus < fit.youngs_modulus.upper
+        assert fit.contact_offset.lower < 0.3 < fit.contact_offset.upper
+
+
+def truth_of(grown):
+    """Return loads and indentations of a press of PAD."""
+    xi = np.linspace(0, 2, 2000)
+    return 4 / 3 * PAD.reduced * np.sqrt(PAD.radius) * xi**1.5 * grown(xi), xi
+
+
+def test_a_slip_is_flagged() -> None:
+    fit = fit_loading_curve(pressed(lambda xi: np.where(xi > 1.2, 0.85, 1), 1))
+    assert not {"misfit", "modulus_partly_decreases"}.isdisjoint(fit.flags)
+
+
 @pytest.mark.parametrize("areas", [True, False])
 def test_thin_tissue_is_held_by_the_uncertainty(areas) -> None:
     curve, given = curve_of("layer of 2 mm on bone"), None

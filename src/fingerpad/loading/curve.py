@@ -380,16 +380,26 @@ def rows_in_contact(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:
     return begin + np.flatnonzero(smooth > contact + _NEAR_CONTACT * (smooth.max() - contact))
 
 
-def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
+def saturated_rows(curve: LoadingCurve, segment: Segment, values: FloatArray | None = None) -> BoolArray:
     """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows.
 
     A force that is rounded stands still at every step; at the limit it does so for as long as at several.
+    Other `values` of the curve may be looked at, such as its areas.
     """
-    load = curve.load[segment.rows]
-    at_top = load == load.max()
-    step = int(np.count_nonzero(load == load[~at_top].max(initial=-np.inf)))
+    seen = (curve.load if values is None else values)[segment.rows]
+    at_top = seen == seen.max()
+    step = int(np.count_nonzero(seen == seen[~at_top].max(initial=-np.inf)))
     many = int(at_top.sum()) >= _SATURATED_ROWS * max(step, 1)
     return np.asarray(at_top & bool(many and np.ptp(curve.indentation[segment.rows][at_top]) > 0))
+
+
+def clipped_areas(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:
+    """Return the rows in contact whose area is none: exactly zero, or the limit of the camera's frame."""
+    if curve.area is None:
+        return np.zeros(0, dtype=np.intp)
+    contact = rows_in_contact(curve, cycle)
+    limit = cycle.loading.start + np.flatnonzero(saturated_rows(curve, cycle.loading, curve.area))
+    return np.union1d(contact[curve.area[contact] == 0], np.intersect1d(contact, limit))
 
 
 def _require_usable(curve: LoadingCurve) -> None:

@@ -343,7 +343,8 @@ def _relaxation_note(
                 "its modulus is that of this speed"
             )
     on_layer = compared.main.values.get("inverse_thickness", 0.0) > 0
-    if on_layer or compared.unexplained or not exponent.known:
+    without_areas = not compared.main.record.area.size
+    if on_layer or (without_areas and compared.unexplained) or not exponent.known:
         return ""
     sure = exponent.value + _SURE * exponent.std < HERTZ_EXPONENT
     if sure and exponent.upper < HERTZ_EXPONENT - _SLOWER:
@@ -444,17 +445,13 @@ def _quantities(
     found |= {
         "reduced_modulus": found["youngs_modulus"].times(reduction),
         "load_exponent": load_exponent(compared, models),
-        "area_exponent": area_exponent(compared) if known else Estimate.unknown(NO_RADIUS),
+        "area_exponent": area_exponent(compared, models) if known else Estimate.unknown(NO_RADIUS),
     }
     return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
 
 
 def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], unexplained: float) -> float:
-    """Return the root mean square difference of laws of the force from the model in one quantity.
-
-    They are weighed as AICc says for residuals of which noise explains that much less (Burnham and Anderson
-    2002, 2.5).
-    """
+    """Return the root mean square difference of laws of the force from the model in one quantity."""
     found = []
     for law, model in models.items():
         values = model.values
@@ -465,9 +462,19 @@ def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], une
         elif name == "youngs_modulus":
             values[name] = value
         if name in values:
-            found.append(((1 - unexplained) * model.aicc, values[name] - value))
-    criteria, apart = zip(*found, strict=True)
-    return math.sqrt(sum(w * one**2 for w, one in zip(akaike_weights(criteria), apart, strict=True)))
+            found.append((model.aicc, values[name] - value))
+    return _root_mean_square(found, unexplained)
+
+
+def _root_mean_square(differences: Iterable[tuple[float, float]], unexplained: float) -> float:
+    """Return that of differences of laws from the model, each after its AICc.
+
+    They are weighed as AICc says for residuals of which noise explains that much less (Burnham and Anderson
+    2002, 2.5).
+    """
+    criteria, apart = zip(*differences, strict=True)
+    weights = akaike_weights([(1 - unexplained) * each for each in criteria])
+    return math.sqrt(sum(w * one**2 for w, one in zip(weights, apart, strict=True)))
 
 
 def _implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
@@ -599,8 +606,21 @@ def _exponent_by(rival: JointFit) -> Estimate:
     )
 
 
-def area_exponent(compared: Comparison) -> Estimate:
-    """Return n by the best explanation, with the uncertainty of where the areas begin."""
+def area_exponent(compared: Comparison, models: Mapping[str, JointFit]) -> Estimate:
+    """Return n by the best explanation, with the uncertainty of where the areas begin and of the force's law.
+
+    A law that does not suit the force moves the force's zero, and with it n.
+    """
+    found = _averaged_exponent(compared)
+    by_law = [(law.aicc, _exponent(law, law.areas(), zeroed=True)) for law in models.values()]
+    own = by_law[0][1]
+    if not (found.known and own.known):
+        return found
+    apart = [(aicc, each.value - own.value) for aicc, each in by_law if each.known]
+    return found.with_error(_root_mean_square(apart, compared.unexplained))
+
+
+def _averaged_exponent(compared: Comparison) -> Estimate:
     best, name = compared.best, "area_offset"
     found = _exponent(best, best.areas(), zeroed=True)
     if not found.known:

@@ -27,6 +27,7 @@ from fingerpad.loading.curve import (
     Cycle,
     LoadingCurve,
     choose_cycle,
+    clipped_areas,
     moving_average,
     rows_in_contact,
     saturated_rows,
@@ -475,7 +476,9 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     repeated = _repeated(curve.load[rows], before)
     rows = rows[~np.append(repeated, full)]
     smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
-    with_area = np.isin(rows, rows_in_contact(curve, chosen)) & (curve.area is not None)
+    clipped = clipped_areas(curve, chosen)
+    measured = np.setdiff1d(rows_in_contact(curve, chosen), clipped)
+    with_area = np.isin(rows, measured) & (curve.area is not None)
     record = FitData(
         clock=curve.clock[rows] - curve.clock[rows[0]],
         load=np.asarray(curve.load, dtype=np.float64)[rows],
@@ -498,6 +501,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
         "tilt_unknown": _ZERO_ROWS <= before < _TILT_ROWS,
         "rounded_force": bool(repeated.any()),
         "saturated_force": bool(full.any()),
+        "clipped_area": clipped.size > 0,
     }
     flags = (*(name for name, seen in doubts.items() if seen), *curve.doubts)
     return Press(record=record, cycles=cycles, baseline_rows=before, flags=flags)

@@ -212,7 +212,7 @@ class LoadingFit(Recorded):
     uncertainty : mapping of str to LawUncertainty
         Of `main` and of each alternative; the weights have the sum 1.
     unexplained : float
-        Share of the force's residuals under load that noise does not explain, where there is no area.
+        Share of the force's residuals under load that noise does not explain.
     misfit_std : mapping of str to float
         What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
     shape_factor : float
@@ -289,8 +289,8 @@ class LoadingFit(Recorded):
 
         The value is that of the law with a growing modulus, on which all quantities here rest; NaN where it
         has no finite load. Its uncertainty is that of the law's parameters, and of what else could have made
-        the curve: the `alternatives` by their Akaike weights, and where there is no area the laws that depart
-        from each other. Indentation counts from first contact, wherever that was; before it, the load is
+        the curve: the `alternatives` by their Akaike weights, and the laws of the force, which depart from
+        each other. Indentation counts from first contact, wherever that was; before it, the load is
         zero. Neither the scale of the force nor the noise of a single reading is in the uncertainty.
         """
         shape = np.shape(indentation)
@@ -300,7 +300,7 @@ class LoadingFit(Recorded):
         load, std, half = np.array(
             [_load_with_std(law, of, xi) for law, of in zip(laws, self.uncertainty.values(), strict=True)]
         ).swapaxes(0, 1)
-        spread = math.sqrt(self.unexplained) * self._spread(xi, load[0])
+        spread = self._spread(xi, load[0])
         std[0], half[0] = np.hypot(std[0], spread), np.hypot(half[0], NORMAL * spread)
         # About the value of the model, which stays, as the uncertainty of all quantities.
         whole = np.sqrt(weights @ (std**2 + (load - load[0]) ** 2))
@@ -312,8 +312,6 @@ class LoadingFit(Recorded):
 
     def _spread(self, xi: FloatArray, load: FloatArray) -> FloatArray:
         """Return the root mean square difference of the laws of the force from the model."""
-        if not self.unexplained:
-            return np.zeros_like(load)
         laws = self.models.values()
         weights = akaike_weights([(1 - self.unexplained) * law.aicc for law in laws])
         apart = np.array([law.load_at(xi) - load for law in laws])

@@ -44,6 +44,10 @@ EXPLANATIONS: Final = {
     "hertz_stage_compliance": "one modulus, and a stage that yields under load",
     "hertz_inverse_thickness": "one modulus, and a layer of tissue on bone",
 }
+_NO_LAW: Final = (
+    "under load the force departs from the model by more than its noise before contact, as by a slip: the "
+    "uncertainty holds by how much Hertz's law, a growing modulus and a power law differ"
+)
 # Of a pad of one modulus, β = 0, which makes room for what looks like a growing one.
 _ONE_MODULUS: Final = "hertz_"
 _WITHOUT_AREAS: Final = tuple(
@@ -133,7 +137,7 @@ class Comparison(Displayed):
     best_name: str  # empty for the model
     model_aicc: float  # of the model in the weights: that of one modulus where it is less
     weights: Mapping[str, float]  # of Akaike, of the rivals; what is left to one is the model's
-    unexplained: float  # share of the force's residuals under load beyond noise; 0 where areas show it
+    unexplained: float  # share of the force's residuals under load beyond noise
     doubts: Mapping[str, str]  # flags, and what they mean here in plain words
 
     @property
@@ -168,7 +172,7 @@ class Comparison(Displayed):
         if not estimate.known:
             return estimate, 0.0
         found = {key: _sum_of(fit, gradient) for key, fit in self.fits.items()}
-        own = estimate.with_error(spread * math.sqrt(self.unexplained))
+        own = estimate.with_error(spread)
         if "correlated_area" in self.doubts and name == "loading_radius":
             own = own.stretched(_CORRELATED)
         weights = [self.weights[key] for key in found]
@@ -248,6 +252,9 @@ def compare(main: JointFit) -> Comparison:
         if name.endswith("inverse_thickness"):
             doubts["misfit"] += f"; {_FIT_LAYER}"
         best, best_name = _refitted(rivals[name]), name
+    unexplained = unexplained_share(best)
+    if unexplained > MOSTLY:
+        doubts.setdefault("misfit", _NO_LAW)
     if smoothed := smoothed_note(best.residuals()[1]):
         doubts["correlated_area"] = smoothed
     return Comparison(
@@ -257,7 +264,7 @@ def compare(main: JointFit) -> Comparison:
         best_name=best_name,
         model_aicc=reference,
         weights=_weights(reference, rivals, main.held, EXPLANATIONS),
-        unexplained=0.0,
+        unexplained=unexplained,
         doubts=doubts,
     )
 
@@ -308,10 +315,7 @@ def _compare_without_areas(main: JointFit) -> Comparison:
         )
     unexplained = unexplained_share(main)
     if unexplained > MOSTLY and "loading_radius" in main.held:
-        doubts["misfit"] = (
-            "under load the force departs from the model by more than its noise before contact: the "
-            "uncertainty holds by how much Hertz's law, a growing modulus and a power law differ"
-        )
+        doubts["misfit"] = _NO_LAW
     return Comparison(
         main=main,
         rivals=rivals,
