@@ -25,11 +25,10 @@ def draw(name: str, condition: str, number: int, seed: int) -> TrueImage:
 
 
 def images(
-    count: int, seed: int, sets: Iterable[str] = tuple(CONDITIONS), *, without: str | None = None
+    count: int, seed: int, sets: Iterable[str] = tuple(CONDITIONS)
 ) -> Iterator[tuple[str, str, TrueImage]]:
-    """Yield set, condition and image, ``count`` of each condition; without conditions that are named so."""
+    """Yield set, condition and image, ``count`` of each condition."""
     for name in sets:
         for condition in CONDITIONS[name]:
-            if without is None or without not in condition:
-                for number in range(count):
-                    yield name, condition, draw(name, condition, number, seed)
+            for number in range(count):
+                yield name, condition, draw(name, condition, number, seed)

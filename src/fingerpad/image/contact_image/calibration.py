@@ -18,13 +18,16 @@ class EdgeModel:
 
     # How far the edge lies further out than the outline.
     ends: float = 0.084  # periods; between the ends of ridges
-    sharp: float = -0.22  # periods more; for a contact that does not fade, with nothing seen outside
-    by_thinning: float = 0.60  # periods; by how much less ridge the last period has than the one before
-    by_outside: float = 1.38  # periods; by the ridges just outside in parts of those inside
+    sharp: float = -0.26  # periods more; for a contact that does not fade, with nothing seen outside
+    by_thinning: float = 0.64  # periods; by how much less ridge the last period has than the one before
+    by_outside: float = 1.45  # periods; by the ridges just outside in parts of those inside
     by_blur: float = 0.24  # that part counts up to this, which blur shows at a sharp edge too,
     by_blur_and_beyond: float = 6.0  # and up to so much more by the ridges beyond, a contrast
-    by_beyond: float = 4.4  # periods a contrast; by the ridges beyond
-    by_followed: float = 0.6  # periods; by how much more of the outline than usual follows ridges
+    by_beyond: float = 3.6  # periods a contrast; by the ridges beyond
+    by_paleness: float = 2.0  # periods a contrast; by how much less than usual the last period has
+    least_usual: float = 0.42  # contrasts; the last period of a contact has, unless pressure falls off slowly
+    by_rim: float = -0.3  # periods; where a rim covers all ridges
+    by_followed: float = 0.25  # periods; by how much more of the outline than usual follows ridges
     usually_followed: float = 0.25  # of the outline follows ridges
 
     # Where that is looked at.
@@ -34,12 +37,11 @@ class EdgeModel:
     deeper: Band = (-1.6, -0.8)  # the one before
     outside: Band = (0.1, 0.3)  # ridges just outside
     beyond: Band = (0.4, 0.7)  # ridges beyond
+    off: Band = (0.9, 1.2)  # a rim has ended, and a halo is still a third of what it is just outside
     rim: Band = (-1.2, -0.4)  # contrast round the outline, and whether there are ridges
     near: Band = (0.0, 0.5)  # contrast just outside
     followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
-    crossed: float = 0.5  # an outline that follows a ridge no more than so far crosses ridges
-    enough: float = 0.7  # share of the outline that crosses ridges, to tell how the contact ends
     sectors: int = 24  # parts of the outline whose means are compared
     trimmed: float = 0.2  # share of the sectors at either end that does not count
     least: float = 0.03  # contrasts; variations and means are no less
@@ -54,8 +56,10 @@ class EdgeModel:
     # Standard deviation that all of the edge shares.
     shared_std: float = 0.08  # periods; at least
     beyond_std: float = 3.5  # periods a contrast; by the ridges beyond
-    rim_std: float = 0.25  # periods; where a rim covers all ridges
-    untold_std: float = 0.3  # periods; where all of the outline follows ridges
+    rim_std: float = 0.33  # periods; where a rim covers all ridges
+    paleness_std: float = 2.5  # periods a contrast; by how much less than usual the last period has
+    thinning_std: float = 5.0  # periods; by how much more than usual ridges thin
+    usual_thinning: float = 0.3  # ridges hardly thin by more
     followed_std: float = 0.6  # periods; by how much more of the outline than usual does
     unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
@@ -104,7 +108,7 @@ class RidgeAreaError:
     # The area's own.
     least_std: float = 0.008  # where the level does not matter
     by_noise: float = 0.1  # a rise of noise
-    by_rim: float = 0.3  # where a rim covers all ridges
+    by_rim: float = 0.4  # where a rim covers all ridges
     by_fade: float = 0.2  # a period by which a fading edge lies further out
     sharp_fade: float = 0.08  # periods; fade of a sharp edge
     most_fade: float = 0.2  # periods; more than that tells no more
@@ -121,8 +125,8 @@ class PrintedMarks:
     around: float = 10.0  # periods; they are darker than the ridges within this
     darker: float = 1.1  # by this factor
     stroke: float = 0.4  # periods; least width of their strokes
-    reach: float = 2.2  # periods; least reach of a stroke along and across
-    minimum: int = 2  # strokes; fewer are no print
+    reach: float = 2.0  # periods; least reach of a stroke along and across
+    minimum: int = 4  # strokes; fewer are no print
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

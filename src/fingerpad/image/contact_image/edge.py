@@ -53,11 +53,10 @@ class FadeSigns(NamedTuple):
     thinning: float = 0.0  # how much less ridge the last period inside has than the one before, as a part
     outside: float = 0.0  # how much ridges vary along the outline just outside it, in parts of that inside
     beyond: float = 0.0  # the same further out, in parts of the interior's contrast
-    # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
-    rim: float = 0.0
+    paleness: float = 0.0  # how much less contrast than usual the last period inside has, in the same parts
+    cover: float = 0.0  # how much less ridges stand out just outside than inside, as under a halo, 0 to 1
+    rim: float = 0.0  # the same where it ends within a period, as a rim does and a halo does not
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
-    # How much too little of the outline crosses ridges, and so tells how the contact ends, 0 to 1
-    untold: float = 0.0
     followed: float = 0.0  # by how much more of the outline than usual follows ridges, 0 to 1
     bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
 
@@ -169,24 +168,21 @@ def fade_signs(
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
     few = np.ascontiguousarray(contact[::2, ::2])
     interior = few[deep].mean()
-    ground, inside, outside, beyond, rim, near = _across(
-        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near
+    ground, inside, outside, beyond, off, rim, near = _across(
+        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.off, EDGE.rim, EDGE.near
     )
     plain = float(ground.mean())
     contrast = np.float32(interior - plain)
     if not contrast > 0:
         raise ImageError(_NO_EDGE)
-    crossed = edge.along < EDGE.crossed
-    # Where the outline follows a ridge, nothing varies along it that tells how the contact ends.
-    untold = 1 - min(1.0, float(crossed.mean()) / EDGE.enough)
-    floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
-    # Of the three bands: the variation along the outline that is not noise, in parts of the contrast. Inside
-    # and just outside also: how much of the mean contrast that is.
-    above = np.maximum(np.square(variations) - floor**2, 0.0)
-    seen = as_float32(above / np.maximum(np.hypot(np.sqrt(above), floor / 2), 1e-9)) / contrast
-    means = as_float32([band.mean() - plain for band in (inside, outside)]) / contrast
-    standing_out = seen[:2] / np.maximum(means, EDGE.least)
-    shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
+    # The variation along the outline that is not noise: inside and just outside by squares, whose noise adds
+    # up, also in parts of the mean contrast; beyond by sizes, which few specks and fibres hardly change.
+    noise, *squares = _variations([ground, inside, outside], edge.period, 2)
+    within, without = np.sqrt(np.maximum(np.array(squares) - noise, 0.0)) / contrast
+    means = np.maximum([(band.mean() - plain) / contrast for band in (inside, outside, off)], EDGE.least)
+    cover = max(1 - float(without / means[1] / max(within / means[0], EDGE.least)), 0.0)
+    floor, far = _variations([ground, beyond], edge.period, 1) / contrast
+    above = max(far**2 - floor**2, 0.0)
     last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
     side = round(edge.period) | 1
     varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
@@ -194,11 +190,12 @@ def fade_signs(
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     signs = FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
-        outside=float(seen[1] / np.maximum(seen[0], EDGE.least)) * (1 - untold),
-        beyond=float(seen[2]),
-        rim=float(np.maximum(1 - shown, 0) ** 2),
+        outside=float(without / max(within, EDGE.least)),
+        beyond=above / max(math.hypot(math.sqrt(above), floor / 2), 1e-9),
+        paleness=max(EDGE.least_usual - float(means[0]), 0.0),
+        cover=cover,
+        rim=cover * max(1 - 3 * float(means[2] / means[1]), 0.0),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
-        untold=untold,
         followed=max(float(edge.along.mean()) - EDGE.usually_followed, 0.0),
         bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
     )
@@ -212,21 +209,28 @@ def _fade(signs: FadeSigns) -> float:
     ridge in the last period than in the one before, and what still varies along the outline outside, show how
     far. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
-    thinning, outside, beyond, followed = telling(signs)
-    fade = EDGE.sharp + EDGE.by_thinning * thinning + EDGE.by_outside * outside
-    return fade + EDGE.by_beyond * beyond + EDGE.by_followed * followed
+    told = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
+    return EDGE.sharp + float(told)
 
 
-def telling(signs: FadeSigns) -> tuple[float, float, float, float]:
-    """Return what of thinning, outside, beyond and followed tells how far the edge lies beyond its outline.
+def telling(signs: FadeSigns) -> dict[str, float]:
+    """Return what of each sign tells how far the edge lies beyond its outline; `EDGE` says by how much.
 
     An outline that follows a ridge ends at it, where the contact may go on over the valley beyond. Blur shows
     ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to it, within
-    a tenth of a mm. More of them tell no more, unless ridges are seen beyond too.
+    a tenth of a mm. More of them tell no more, unless ridges are seen beyond too. Where pressure falls off
+    slowly, as that of a bell, ridges get too thin to be seen long before the contact ends, and the last
+    period is pale. A dark rim reaches beyond the contact.
     """
     beyond = max(signs.beyond - EDGE.hardly, 0.0)
-    most = EDGE.by_blur + EDGE.by_blur_and_beyond * beyond
-    return signs.thinning, min(signs.outside, most), beyond, signs.followed
+    return {
+        "thinning": signs.thinning,
+        "outside": min(signs.outside, EDGE.by_blur + EDGE.by_blur_and_beyond * beyond),
+        "beyond": beyond,
+        "paleness": signs.paleness,
+        "rim": signs.rim,
+        "followed": signs.followed,
+    }
 
 
 def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any]]) -> npt.NDArray[Any]:
@@ -242,13 +246,16 @@ def _across(field: Float32Array, edge: Edge, *bands: Band) -> FloatArray:
     return levels.reshape(len(bands), _ACROSS, -1)
 
 
-def _variations(bands: list[FloatArray], period: float) -> list[float]:
-    """Return the mean variation of bands along the outline, without extreme sectors: dirt is in few."""
+def _variations(bands: list[FloatArray], period: float, power: int) -> FloatArray:
+    """Return the mean power of the variation of bands along the outline.
+
+    Extreme sectors do not count: dirt is in few.
+    """
     values = np.concatenate(bands).T
-    varying = np.abs(values - running_mean(values, round(EDGE.along * period)))
+    varying = np.abs(values - running_mean(values, round(EDGE.along * period))) ** power
     means = np.sort(_sector_means(varying.reshape(len(values), len(bands), -1).mean(axis=2)), axis=0)
     few = int(EDGE.trimmed * len(means))
-    return [float(mean) for mean in means[few : len(means) - few].mean(axis=0)]
+    return np.asarray(means[few : len(means) - few].mean(axis=0))
 
 
 def _sector_means(values: FloatArray) -> FloatArray:
@@ -319,9 +326,10 @@ def edge_offset_std(edge: Edge) -> float:
     terms = (
         EDGE.shared_std * edge.period,
         EDGE.beyond_std * edge.signs.beyond * edge.period,
-        EDGE.rim_std * edge.signs.rim * edge.period,
+        EDGE.rim_std * edge.signs.cover**2 * edge.period,
         EDGE.unevenness_std * edge.signs.unevenness * edge.period,
-        EDGE.untold_std * edge.signs.untold * edge.period,
+        EDGE.paleness_std * edge.signs.paleness * edge.period,
+        EDGE.thinning_std * max(edge.signs.thinning - EDGE.usual_thinning, 0.0) * edge.period,
         EDGE.followed_std * edge.signs.followed * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )

@@ -350,7 +350,7 @@ def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: floa
         RIDGE_AREA.least_std,
         ridges.softness * level_std,
         RIDGE_AREA.by_noise * edge.noise,
-        RIDGE_AREA.by_rim * edge.signs.rim,
+        RIDGE_AREA.by_rim * edge.signs.cover**2,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
         RIDGE_AREA.by_moisture * max(0.0, known / gross_area - RIDGE_AREA.dry_share),
     )
