@@ -28,6 +28,8 @@ _STEP = np.finfo(float).eps ** (1 / 3)
 _SINGULAR = 1e-12
 _HIGHEST_ORDER = 3
 _FARTHEST = 50.0
+# What MINPACK's search of Levenberg and Marquardt answers where it has found a minimum.
+_CONVERGED: Final = frozenset({1, 2, 3, 4})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -120,19 +122,16 @@ def fit_least_squares(
     deviation; their derivatives are found by differences but for those in `linear`. A trust region keeps the
     parameters within `bounds`, where they are given.
     """
-    values, names = as_float_array(start), tuple(names)
-    first = residuals(values)
-    if not first.size > values.size:
-        raise FitError(
-            f"{first.size} data for {values.size} parameters ({', '.join(names)}): record more points"
-        )
-    values = minimum(residuals, values, names, evaluations=evaluations, bounds=bounds, linear=linear)
+    names = tuple(names)
+    values, left = _search(
+        residuals, as_float_array(start), names, evaluations=evaluations, bounds=bounds, linear=linear
+    )
     fit = LeastSquaresFit(
         names=names,
         values=values,
-        residuals=residuals(values),
+        residuals=left,
         jacobian=_jacobian(residuals, names, linear, values),
-        effective_count=float(first.size),
+        effective_count=float(left.size),
         _function=residuals,
         _linear=linear,
     )
@@ -178,27 +177,68 @@ def minimum(
 ) -> FloatArray:
     """Return the parameters of least squares alone. Raise FitError where there are none."""
     start = as_float_array(start)
+    return _search(
+        residuals, start, names, tolerance=tolerance, evaluations=evaluations, bounds=bounds, linear=linear
+    )[0]
+
+
+def _search(
+    residuals: Residuals,
+    start: FloatArray,
+    names: Sequence[str],
+    *,
+    tolerance: float = 1e-14,
+    evaluations: int = 300,
+    bounds: Bounds | None = None,
+    linear: Linear = _NONE,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the parameters of least squares and the residuals there. Raise FitError where there are none."""
     if bounds is not None:
         low, high = bounds
         inside = 1e-6 * np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(start), 1e-6))
         start = np.clip(start, low + inside, high - inside)
-    if not np.isfinite(residuals(start)).all():
+    first = residuals(start)
+    if not first.size > start.size:
+        raise FitError(
+            f"{first.size} data for {start.size} parameters ({', '.join(names)}): record more points"
+        )
+    if not np.isfinite(first).all():
         raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=True))}")
-    found = optimize.least_squares(
-        residuals,
-        start,
-        jac=partial(_jacobian, residuals, names, linear),
-        method="lm" if bounds is None else "trf",
-        bounds=(-np.inf, np.inf) if bounds is None else bounds,
-        x_scale="jac",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=tolerance,
-        max_nfev=evaluations,
-    )
-    if not (found.success and np.isfinite(found.x).all() and math.isfinite(found.cost)):
-        raise FitError(f"the fit of {', '.join(names)} found no minimum: {found.message}")
-    return np.asarray(found.x)
+    jacobian = partial(_jacobian, residuals, names, linear)
+    if bounds is None:
+        # `least_squares` wraps it, and evaluates both functions three times more.
+        x, _, left, message, reason = optimize.leastsq(
+            _remembered(residuals, start, first),
+            start,
+            Dfun=_remembered(jacobian, start, jacobian(start)),
+            full_output=True,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            maxfev=evaluations,
+        )
+        found, rest = reason in _CONVERGED, left["fvec"]
+    else:
+        answer = optimize.least_squares(
+            residuals,
+            start,
+            jac=jacobian,
+            bounds=bounds,
+            x_scale="jac",
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=evaluations,
+        )
+        x, rest, message, found = answer.x, answer.fun, answer.message, answer.success
+    if not (found and np.isfinite(x).all() and np.isfinite(rest).all()):
+        raise FitError(f"the fit of {', '.join(names)} found no minimum: {message}")
+    return np.asarray(x), np.asarray(rest)
+
+
+def _remembered(function: Residuals, at: FloatArray, value: FloatArray) -> Residuals:
+    """Return a function whose value at one place is known, where a search asks for it twice."""
+    return lambda p: value if np.array_equal(p, at) else function(p)
 
 
 def differences(
@@ -255,28 +295,26 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
         return float(fit.values[place])
     others = np.arange(fit.values.size) != place
     trend = fit.covariance[others, place] / fit.covariance[place, place]
-    free = fit.values[others]
     names = [name for name in fit.names if name != fit.names[place]]
 
     def root(moved: float) -> float:
         """Return how far, in standard uncertainties, the data resist the move."""
-        nonlocal free
 
         def whole(part: FloatArray) -> FloatArray:
             values = np.empty(fit.values.size)
             values[others], values[place] = part, fit.values[place] + moved * step
             return values
 
-        begin = fit.values[others] + trend * moved * step
-        part = begin
-        if others.any():
+        part = fit.values[others] + trend * moved * step
+        if not others.any():
+            rest = fit._function(whole(part))
+        else:
             try:
-                part = minimum(
-                    lambda p: fit._function(whole(p)), begin, names, tolerance=1e-8, linear=fit._linear
+                _, rest = _search(
+                    lambda p: fit._function(whole(p)), part, names, tolerance=1e-8, linear=fit._linear
                 )
             except FitError:
                 return math.nan
-        rest = fit._function(whole(part))
         return math.sqrt(max(float(rest @ rest) - fit.sum_of_squares, 0.0) / scale)
 
     near, far = (0.0, 0.0), (target, root(target))
