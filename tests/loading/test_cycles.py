@@ -13,6 +13,7 @@ from fingerpad.loading import (
     LoadingCurve,
     Segment,
     find_cycles,
+    fit_contact_compliance,
     fit_loading_curve,
     fit_relaxation,
     hysteresis,
@@ -123,7 +124,9 @@ def test_areas_that_are_none_are_left_out_and_flagged(clip) -> None:
         area[np.flatnonzero(area > top / 2)[3::40]] = 0
     else:
         area = np.minimum(area, 0.7 * top)
-    fit = fit_loading_curve(replace(CURVE, area=area))
+    clipped = replace(CURVE, area=area)
+    assert abs(fit_contact_compliance(clipped).value - 15) < 0.5
+    fit = fit_loading_curve(clipped)
     assert "clipped_area" in fit.flags
     assert {"misfit", "area_offset", "correlated_area"}.isdisjoint(fit.flags)
     assert abs(fit.loading_radius.value - 15) < 3 * fit.loading_radius.std < 1.5

@@ -389,7 +389,7 @@ def saturated_rows(curve: LoadingCurve, segment: Segment, values: FloatArray | N
     seen = (curve.load if values is None else values)[segment.rows]
     at_top = seen == seen.max()
     step = int(np.count_nonzero(seen == seen[~at_top].max(initial=-np.inf)))
-    many = int(at_top.sum()) >= _SATURATED_ROWS * max(step, 1)
+    many = not at_top.all() and int(at_top.sum()) >= _SATURATED_ROWS * max(step, 1)
     return np.asarray(at_top & bool(many and np.ptp(curve.indentation[segment.rows][at_top]) > 0))
 
 

@@ -16,6 +16,7 @@ from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.curve import (
     LoadingCurve,
     choose_cycle,
+    clipped_areas,
     hysteresis,
     moving_average,
     rows_in_contact,
@@ -250,13 +251,14 @@ def fit_loading_curve(
 def fit_contact_compliance(curve: LoadingCurve, *, cycle: int = 0) -> Estimate:
     """Fit R_g (mm), the slope of contact area against πξ ("contact compliance"), to one loading.
 
-    The rows are those from where the area is well above zero, and the zero of displacement is free. A smooth
-    sphere or ellipse gives R = A/(πξ) at every load, whatever its modulus and however it varies with load.
+    The rows are those from where the area is well above zero and not cut off, and the zero of displacement is
+    free. A smooth sphere or ellipse gives R = A/(πξ) at every load, whatever its modulus and however it
+    varies with load.
     """
     if curve.area is None:
         raise FitError("the loading curve has no contact area; R_g needs a column area_mm2")
     _, press = choose_cycle(curve, cycle)
-    rows = rows_in_contact(curve, press)
+    rows = np.setdiff1d(rows_in_contact(curve, press), clipped_areas(curve, press))
     if rows.size < 3:
         raise FitError(f"{rows.size} rows in contact while the load grows; at least 3 are needed for a line")
     x, y = np.pi * curve.indentation[rows], curve.area[rows]
