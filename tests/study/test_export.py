@@ -1,4 +1,4 @@
-"""Tables out: what is read back from Parquet and MATLAB files is what the run wrote."""
+"""Tables out: what is read back from Parquet, MATLAB and Excel files is what the run wrote."""
 
 import json
 import re
@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from pyarrow import parquet
+from python_calamine import CalamineWorkbook
 from scipy import io
 from tests import command
 from tests.studies import Table, contact, correct, finger, picture, rows_of, write_study
@@ -97,6 +98,26 @@ def test_matlab_keeps_values_units_and_meanings(results, tmp_path):
     assert all(re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII) for name in COLUMNS)  # as MATLAB takes
 
 
+def test_a_workbook_keeps_values_units_and_words(results, tmp_path, monkeypatch):
+    export_results(results, tmp_path / "r.xlsx")
+    rows = json.loads((results / "results.json").read_text())
+    book = CalamineWorkbook.from_path(str(tmp_path / "r.xlsx"))
+    assert book.sheet_names == ["results", "columns", "study"]
+    header, *found = book.get_sheet_by_name("results").to_python()
+    assert header == list(COLUMNS)
+    for cells, row in zip(found, rows, strict=True):
+        for cell, value in zip(cells, row.values(), strict=True):
+            kept = "" if value is None else value
+            assert cell == (pytest.approx(kept, rel=1e-15) if isinstance(kept, float) else kept)  # 16 digits
+    first, *described = book.get_sheet_by_name("columns").to_python()
+    assert first == ["column", "unit", "meaning"]
+    assert described == [[one.name, one.unit, one.meaning] for one in COLUMNS.values()]
+    assert book.get_sheet_by_name("study").to_python()[0] == ["title", "Two presses, é"]
+    monkeypatch.setattr(load, "_MOST_SHEET_ROWS", 2)
+    with pytest.raises(FingerpadError, match="a sheet of Excel has 2 rows at most, these results 3"):
+        export_results(results, tmp_path / "more.xlsx")
+
+
 def test_every_line_of_columns_csv_is_whole():
     lines = package_table("fingerpad.study.results", "columns.csv")
     allowed = {
@@ -133,6 +154,9 @@ def test_words_of_people_are_no_formulas_and_come_back(tmp_path):
     assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
     read = read_rows(tmp_path / "out").iloc[0]
     assert (read["reason"], read["reviewed_by"]) == (reason, "@anna")
+    export_results(tmp_path / "out", tmp_path / "r.xlsx")
+    header, cells = CalamineWorkbook.from_path(str(tmp_path / "r.xlsx")).get_sheet_by_index(0).to_python()[:2]
+    assert cells[header.index("reason")] == reason
 
 
 def test_many_rows_come_in_batches_and_none_is_lost(results, tmp_path, monkeypatch):
@@ -153,7 +177,7 @@ def test_many_rows_come_in_batches_and_none_is_lost(results, tmp_path, monkeypat
 def test_a_run_without_rows_keeps_its_columns(results, tmp_path):
     header = (results / "results.csv").read_text(encoding="utf-8").splitlines()[0]
     folder = copied(results, tmp_path / "none", results__csv=header + "\n")
-    for suffix in ("parquet", "mat"):
+    for suffix in ("parquet", "mat", "xlsx"):
         export_results(folder, tmp_path / f"none.{suffix}")
     assert parquet.read_table(tmp_path / "none.parquet").column_names == list(COLUMNS)
     assert io.loadmat(tmp_path / "none.mat")["results"][0, 0]["load_N"].size == 0
@@ -190,16 +214,16 @@ def test_a_cell_that_its_column_does_not_hold_is_refused(results, tmp_path, name
 
 
 def require_refused(folder: Path, message: str) -> None:
-    for suffix in ("parquet", "mat"):
+    for suffix in ("parquet", "mat", "xlsx"):
         with pytest.raises(FingerpadError, match=message):
             export_results(folder, folder.parent / f"r.{suffix}")
     assert [path.name for path in folder.parent.iterdir()] == ["bad"]  # nothing half written is left
 
 
 def test_other_formats_and_folders_are_refused(results, tmp_path):
-    as_csv = r"no format is known by .xlsx.*\.parquet or \.mat; as CSV the table is .*results.csv"
+    as_csv = r"no format is known by .ods.*\.parquet or \.mat or \.xlsx; as CSV the table is .*results.csv"
     for folder, name, words in (
-        (results, "r.xlsx", as_csv),
+        (results, "r.ods", as_csv),
         (results, "r", "a name without suffix"),
         (tmp_path, "r.mat", "no finished run there; `fingerpad run"),
         (results, "nowhere/r.mat", "nowhere/r.mat: cannot be written"),

@@ -99,10 +99,11 @@ def _range(option: str, text: str) -> tuple[float | None, float | None]:
 def export(
     results: Annotated[Path, Argument(help="Output folder of a finished run.", show_default=False)],
     files: Annotated[
-        list[Path], Argument(metavar="FILE...", help="Files to write: .parquet or .mat.", show_default=False)
+        list[Path],
+        Argument(metavar="FILE...", help="Files to write: .xlsx, .mat or .parquet.", show_default=False),
     ],
 ) -> None:
-    """Write the table of a finished run as Parquet or for MATLAB, by the suffix of each file.
+    """Write the table of a finished run for Excel or MATLAB or as Parquet, by the suffix of each file.
 
     Every column keeps its type, unit and meaning. Parquet needs the package pyarrow.
     """

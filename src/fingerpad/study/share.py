@@ -30,7 +30,7 @@ from fingerpad.study.results.result_set import OUTPUT_NAMES, RESULTS_NAME
 
 # The files that the page changes together.
 DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME)
-_OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
+_OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat", "results.xlsx"}
 # Lock files of running programs.
 _LOCKS: Final = frozenset((LOCK_NAME, CORRECTIONS_LOCK))
 # What is in no file name on Windows, and the names that are devices there.

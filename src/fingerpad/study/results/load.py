@@ -7,10 +7,10 @@ import csv
 import html
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
@@ -22,7 +22,15 @@ from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
-from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType, table_of
+from fingerpad.study.results.table import (
+    COLUMNS,
+    DEFAULT_COLUMNS,
+    Column,
+    ColumnArray,
+    DType,
+    records,
+    table_of,
+)
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -285,6 +293,8 @@ def _of_contacts(
 
 
 _ROW_GROUP: Final = 5000
+# Below the header.
+_MOST_SHEET_ROWS: Final = 1_048_575
 
 
 def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> None:
@@ -361,7 +371,32 @@ def _matlab_column(column: Column, values: pd.Series) -> ColumnArray:
     return np.asarray(numbers).reshape(-1, 1)
 
 
+def _write_xlsx(folder: Path, study: dict[str, str], file: Path) -> None:
+    """Write the sheets `results`, `columns` and `study`, row by row: memory stays flat."""
+    from xlsxwriter import Workbook
+
+    table = read_rows(folder)
+    if len(table) > _MOST_SHEET_ROWS:
+        raise FingerpadError(
+            f"a sheet of Excel has {_MOST_SHEET_ROWS} rows at most, these results {len(table)}"
+        )
+    columns = [COLUMNS[name] for name in table]
+    sheets: dict[str, Iterable[Iterable[Any]]] = {
+        "results": chain([table], (row.values() for row in records(table))),
+        "columns": [("column", "unit", "meaning"), *((one.name, one.unit, one.meaning) for one in columns)],
+        "study": study.items(),
+    }
+    plain = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
+    with file.open("wb") as target, Workbook(target, plain) as book:
+        for name, rows in sheets.items():
+            sheet = book.add_worksheet(name)
+            sheet.freeze_panes(1, 1)
+            for number, row in enumerate(rows):
+                sheet.write_row(number, 0, row)
+
+
 _FORMATS: Final[Mapping[str, Callable[[Path, dict[str, str], Path], None]]] = {
     ".parquet": _write_parquet,
     ".mat": _write_mat,
+    ".xlsx": _write_xlsx,
 }
