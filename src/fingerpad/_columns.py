@@ -17,15 +17,20 @@ from fingerpad._tables import Table, read_table
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import FACTORS
 
-# How instruments call a quantity; its own name first.
+# How instruments call a quantity, also in German, French, Spanish and Italian; its own name first.
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
-    "force": ("force", "load", "normal force", "normal load", "compressive force", "compressive load"),
+    "force": (
+        *("force", "load", "normal force", "normal load", "compressive force", "compressive load"),
+        *("kraft", "normalkraft", "prüfkraft", "standardkraft"),
+        *("charge", "fuerza", "carga", "forza", "carico"),
+    ),
     "displacement": (
         *("displacement", "disp", "displ", "indentation", "indentation depth"),
-        *("compressive displacement", "compressive extension"),
+        *("compressive displacement", "compressive extension", "weg", "standardweg", "eindringtiefe"),
+        *("déplacement", "enfoncement", "desplazamiento", "spostamento"),
     ),
-    "area": ("area", "contact area", "gross area"),
-    "time": ("time", "t", "elapsed time", "test time"),
+    "area": ("area", "contact area", "gross area", "fläche", "kontaktfläche", "aire", "área"),
+    "time": ("time", "t", "elapsed time", "test time", "zeit", "prüfzeit", "temps", "tiempo", "tempo"),
 }
 # Force (N), force [N]; Force / N; force, N: these state a unit. force_N, force N, force in N: perhaps.
 _IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE = map(

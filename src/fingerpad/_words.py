@@ -18,6 +18,11 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun if count == 1 else plural}"
 
 
+def ended(words: str) -> str:
+    """Return words as a sentence ends: a question has its mark."""
+    return words if words.endswith("?") else f"{words}."
+
+
 def capitalized(words: str) -> str:
     """Return words with their first letter as a capital, and the others as they are."""
     return words[:1].upper() + words[1:]

@@ -29,6 +29,8 @@ def write(folder: Path, text: str) -> Path:
         ("Time/s;Force/N;Disp/µm;Area/cm2", "0;0,1;20;0,05\n1;2;1500;0,6"),
         ("t_s,load_mN,indentation_um,contact_area_mm2", "0,100,20,5\n1,2000,1500,60"),
         ("Time (sec),Normal force (mN),Displ (µm),area mm2", "0,100,20,5\n1,2000,1500,60"),
+        ("Prüfzeit (s);Standardkraft (N);Weg (mm);Fläche (mm²)", "0;0,1;0,02;5\n1;2;1,5;60"),
+        ("Temps [s];Charge [N];Déplacement [mm];Aire [mm²]", "0;0,1;0,02;5\n1;2;1,5;60"),
         ("Time\tForce\tDisplacement\tArea\n[s]\t[N]\t[mm]\t[mm²]", "0\t0,1\t0,02\t5\n1\t2\t1,5\t60"),
         (
             "Time,Compressive extension,Compressive load,Area\n(s),(mm),(N),(mm2)",
@@ -71,8 +73,8 @@ def test_a_column_that_is_no_force_is_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "proposed"),
     [
-        ("Fz (mN),Weg (um)", {"force": ["Fz (mN):mN"], "displacement": ["Weg (um):um"]}),
-        ("Kraft in mN,Weg in µm", {"force": ["Kraft in mN:mN"], "displacement": ["Weg in µm:um"]}),
+        ("Fz (mN),Hub (um)", {"force": ["Fz (mN):mN"], "displacement": ["Hub (um):um"]}),
+        ("F1 in mN,Hub in µm", {"force": ["F1 in mN:mN"], "displacement": ["Hub in µm:um"]}),
         ("force,displacement_mm", {"force": ["force:UNIT"]}),
         ("a,b", {"force": ["HEADER:UNIT"], "displacement": ["HEADER:UNIT"]}),
         ("Fx (N),Fz (N),displacement_mm", {"force": ["Fx (N):N", "Fz (N):N"]}),

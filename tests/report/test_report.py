@@ -143,7 +143,7 @@ def test_the_answers_come_first_and_in_few_words(demo):
     for row, validity in zip(table.split("<tr>")[2:], result.validities, strict=True):
         assert f"</span> {validity.verdict}" in row or f" {validity.verdict}</span></a>" in row
     assert "13.8 ± 4.6</td>" in table
-    assert "49.2 ± 5.0<br><small>on bone</small>" in table
+    assert "49.2 ± 5.0<br><small>on bone, layer fails</small>" in table
     invalid = [check for check in result.checks if check and not check.valid]
     assert text.count('<code>method = "monte_carlo"</code>') == len(invalid) > 0
     for check in invalid:

@@ -51,7 +51,7 @@ def test_one_picture_under_two_names_or_at_two_loads_is_noted(folder):
     shutil.copy(folder / "print.png", folder / "copy.png")
     copied = shown("y", file="copy.png")
     assert run(folder, finger(), shown(), shown("y", 3)).notes == (
-        "x and y: print.png at different loads: is one another contact's?",
+        "x and y are one picture, print.png, at different loads: does it show another contact?",
     )
     (note,) = run(folder, finger(), shown(), copied).notes
     assert note.startswith("x and y are one picture, print.png and copy.png, which counts 2 times")

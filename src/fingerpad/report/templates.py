@@ -14,6 +14,7 @@ from fingerpad._rounding import (
     uncertainty_of_positive,
     value_with_uncertainty,
 )
+from fingerpad._words import ended
 from fingerpad.estimate import Estimate
 from fingerpad.flags import flags_in
 from fingerpad.report import text
@@ -67,6 +68,7 @@ def templates() -> Environment:
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
     # Drawings are read as a page is written: all together they would take more memory than all rows.
     environment.filters |= {
+        "ended": ended,
         "typeset": typeset,
         "probability": text.probability,
         "drawing": drawing,

@@ -270,7 +270,7 @@ def _repeated_files(study: Study, digests: Mapping[str, str]) -> Iterator[str]:
     for same in filter(lambda same: len(same) > 1, pictures.values()):
         names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
         if len({one.load_N for one in same}) > 1:
-            yield f"{names}: {files} at different loads: is one another contact's?"
+            yield f"{names} are one picture, {files}, at different loads: does it show another contact?"
         else:
             yield (
                 f"{names} are one picture, {files}, which counts {len(same)} times: keep one of them, or say "

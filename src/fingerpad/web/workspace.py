@@ -31,7 +31,7 @@ def folder_of(study: Path) -> Path:
     if study.is_dir():
         return study.absolute()
     if not study.is_file():
-        raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
+        raise ManifestError(f"{study}: no such file; name a folder to begin a study in, or none")
     if study.name != STUDY_NAME:
         raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
     return study.absolute().parent

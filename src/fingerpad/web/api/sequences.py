@@ -126,11 +126,10 @@ def signal(opened: Opened, sequence: _Name) -> SequenceSignal:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     timed = {frame: row for frame, row in _rows(opened, sequence).items() if row["time_s"] is not None}
     drawn, phases = _extremes(force), phase_intervals(force.time, force.load)
-    starts = zip(phases.phase, phases.start, strict=True)
     return SequenceSignal.of(
         time_s=force.time[drawn],
         load_N=force.load[drawn],
-        phases=[{"phase": phase, "start_s": start} for phase, start in starts],
+        phases=[{"phase": one, "start_s": at} for one, at in zip(phases.phase, phases.start, strict=True)],
         **_alignment(stated, force, timed),
     )
 

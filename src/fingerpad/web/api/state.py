@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import StrictFloat, StrictStr, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 
 from fingerpad._files import digest_of
+from fingerpad._words import ended
 from fingerpad.exceptions import StoreError
 from fingerpad.flags import FLAGS, Flag
 from fingerpad.image import Face
@@ -225,7 +226,7 @@ class _Known:
             stated=sorted(study.uncertainty.model_fields_set),
             taken_as_exact=list(study.taken_as_exact()),
             assumed=study.assumed(),
-            doubts=list(study.doubts()),
+            doubts=list(map(ended, study.doubts())),
             ready=not self.loaded.issues,
             missing=opened.missing(),
             scales=self.scales(),

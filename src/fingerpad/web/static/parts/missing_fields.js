@@ -125,4 +125,4 @@ export const axesNotes = () =>
     );
 
 /** Notes about values of the manifest that look as if they were meant otherwise, as full widths. */
-export const doubtNotes = (name = "div.note") => workspace.study.doubts.map((words) => h(name, `${words}.`));
+export const doubtNotes = (name = "div.note") => workspace.study.doubts.map((words) => h(name, words));

@@ -249,6 +249,7 @@ export class NewFiles {
   async forget(file) {
     const draft = this.drafts.get(file);
     this.drafts.delete(file);
+    this.files = this.files.filter((one) => one !== file);
     await this.now; // it may be looked at
     try {
       const { removed } = await removeFile(file);
