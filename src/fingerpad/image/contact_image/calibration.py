@@ -18,7 +18,7 @@ class EdgeModel:
 
     # How far the edge lies further out than the outline.
     ends: float = 0.084  # periods; between the ends of ridges
-    sharp: float = -0.26  # periods more; for a contact that does not fade, with nothing seen outside
+    sharp: float = -0.275  # periods more; for a contact that does not fade, with nothing seen outside
     by_thinning: float = 0.64  # periods; by how much less ridge the last period has than the one before
     by_outside: float = 1.45  # periods; by the ridges just outside in parts of those inside
     by_blur: float = 0.24  # that part counts up to this, which blur shows at a sharp edge too,
@@ -126,7 +126,7 @@ class PrintedMarks:
     darker: float = 1.1  # by this factor
     stroke: float = 0.4  # periods; least width of their strokes
     reach: float = 2.0  # periods; least reach of a stroke along and across
-    minimum: int = 4  # strokes; fewer are no print
+    minimum: int = 3  # strokes; fewer are no print
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
