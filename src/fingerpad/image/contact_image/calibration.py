@@ -27,7 +27,7 @@ class EdgeModel:
     by_paleness: float = 2.0  # periods a contrast; by how much less than usual the last period has
     least_usual: float = 0.42  # contrasts; the last period of a contact has, unless pressure falls off slowly
     by_rim: float = -0.3  # periods; where a rim covers all ridges
-    by_followed: float = 0.25  # periods; by how much more of the outline than usual follows ridges
+    by_followed: float = 0.6  # periods; by how much more of the outline than usual follows ridges
     usually_followed: float = 0.25  # of the outline follows ridges
 
     # Where that is looked at.
