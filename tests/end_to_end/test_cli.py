@@ -374,7 +374,7 @@ def films(tmp_path_factory: pytest.TempPathFactory, pressed: SyntheticSequence) 
     force = [(k / 11, load, load) for k, load in enumerate(pressed.load)]
     for name, header in (("force", "Time (s),Load [N],displacment_mm"), ("other", "Time (s),Fz,z")):
         write_numbers(folder / f"{name}.csv", header, force)
-    write_numbers(folder / "times.csv", "Zeit", np.arange(12)[:, None] / 11)
+    write_numbers(folder / "times.csv", "Takt", np.arange(12)[:, None] / 11)
     return folder
 
 
@@ -400,7 +400,7 @@ def test_measure_sequence(films: Path, pressed: SyntheticSequence) -> None:
     assert half["gross_area_mm2"] == pytest.approx(pressed.gross_area[6] / 2, rel=0.05)
     named = json.loads(of_frames(films, *RATE, "--force", "other.csv", "--column", "force=Fz:mN")[1])
     assert [frame["load_N"] for frame in named] == pytest.approx(pressed.load / 1000, abs=1e-12)
-    timed = json.loads(of_frames(films, "--times", "times.csv", "--column", "frame_time=Zeit:s")[1])
+    timed = json.loads(of_frames(films, "--times", "times.csv", "--column", "frame_time=Takt:s")[1])
     assert [frame["time_s"] for frame in timed] == pytest.approx(np.arange(12) / 11)
 
 
@@ -410,7 +410,7 @@ def test_measure_sequence(films: Path, pressed: SyntheticSequence) -> None:
         ((*RATE, "--force", "other.csv"), "--column force=HEADER:UNIT"),
         ((*RATE, "--force", "other.csv", "--column", "area=A:mm2"), "takes QUANTITY=NAME:UNIT with time, "),
         ((*RATE, "--column", "force=Fz:mN"), "--column names columns of --force"),
-        ((*RATE, "--column", "frame_time=Zeit:s"), "names the column of --times"),
+        ((*RATE, "--column", "frame_time=Takt:s"), "names the column of --times"),
         ((*RATE, "--start-s", 0.1, "--contact-load-n", 1), "give either the time of the first frame or the"),
         ((*RATE, "--times", "force.csv"), "there is no use for --frames-per-second"),
         (("--times", "times.csv"), "--column frame_time=HEADER:UNIT"),
