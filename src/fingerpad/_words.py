@@ -1,4 +1,4 @@
-"""Words of lists and counts, and how sentences begin."""
+"""Words of lists and counts, and how sentences begin and end."""
 
 from collections.abc import Iterable
 

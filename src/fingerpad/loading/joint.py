@@ -284,7 +284,7 @@ def find_noise(
         if kinds:
             begin = [whole[name] for name in model.names]
             residuals, linear = model.scaled_residuals(noise)
-            nearest = minimum(residuals, begin, model.names, bounds=model.bounds, linear=linear)
+            nearest, _ = minimum(residuals, begin, model.names, bounds=model.bounds, linear=linear)
             whole |= model.values(nearest)
     return noise, whole
 

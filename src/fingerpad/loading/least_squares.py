@@ -28,8 +28,6 @@ _STEP = np.finfo(float).eps ** (1 / 3)
 _SINGULAR = 1e-12
 _HIGHEST_ORDER = 3
 _FARTHEST = 50.0
-# What MINPACK's search of Levenberg and Marquardt answers where it has found a minimum.
-_CONVERGED: Final = frozenset({1, 2, 3, 4})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -123,9 +121,7 @@ def fit_least_squares(
     parameters within `bounds`, where they are given.
     """
     names = tuple(names)
-    values, left = _search(
-        residuals, as_float_array(start), names, evaluations=evaluations, bounds=bounds, linear=linear
-    )
+    values, left = minimum(residuals, start, names, evaluations=evaluations, bounds=bounds, linear=linear)
     fit = LeastSquaresFit(
         names=names,
         values=values,
@@ -174,25 +170,9 @@ def minimum(
     evaluations: int = 300,
     bounds: Bounds | None = None,
     linear: Linear = _NONE,
-) -> FloatArray:
-    """Return the parameters of least squares alone. Raise FitError where there are none."""
-    start = as_float_array(start)
-    return _search(
-        residuals, start, names, tolerance=tolerance, evaluations=evaluations, bounds=bounds, linear=linear
-    )[0]
-
-
-def _search(
-    residuals: Residuals,
-    start: FloatArray,
-    names: Sequence[str],
-    *,
-    tolerance: float = 1e-14,
-    evaluations: int = 300,
-    bounds: Bounds | None = None,
-    linear: Linear = _NONE,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the parameters of least squares and the residuals there. Raise FitError where there are none."""
+    start = as_float_array(start)
     if bounds is not None:
         low, high = bounds
         inside = 1e-6 * np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(start), 1e-6))
@@ -204,41 +184,21 @@ def _search(
         )
     if not np.isfinite(first).all():
         raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=True))}")
-    jacobian = partial(_jacobian, residuals, names, linear)
-    if bounds is None:
-        # `least_squares` wraps it, and evaluates both functions three times more.
-        x, _, left, message, reason = optimize.leastsq(
-            _remembered(residuals, start, first),
-            start,
-            Dfun=_remembered(jacobian, start, jacobian(start)),
-            full_output=True,
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
-            maxfev=evaluations,
-        )
-        found, rest = reason in _CONVERGED, left["fvec"]
-    else:
-        answer = optimize.least_squares(
-            residuals,
-            start,
-            jac=jacobian,
-            bounds=bounds,
-            x_scale="jac",
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
-            max_nfev=evaluations,
-        )
-        x, rest, message, found = answer.x, answer.fun, answer.message, answer.success
-    if not (found and np.isfinite(x).all() and np.isfinite(rest).all()):
-        raise FitError(f"the fit of {', '.join(names)} found no minimum: {message}")
-    return np.asarray(x), np.asarray(rest)
-
-
-def _remembered(function: Residuals, at: FloatArray, value: FloatArray) -> Residuals:
-    """Return a function whose value at one place is known, where a search asks for it twice."""
-    return lambda p: value if np.array_equal(p, at) else function(p)
+    found = optimize.least_squares(
+        residuals,
+        start,
+        jac=partial(_jacobian, residuals, names, linear),
+        method="lm" if bounds is None else "trf",
+        bounds=(-np.inf, np.inf) if bounds is None else bounds,
+        x_scale="jac",
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
+        max_nfev=evaluations,
+    )
+    if not (found.success and np.isfinite(found.x).all() and math.isfinite(found.cost)):
+        raise FitError(f"the fit of {', '.join(names)} found no minimum: {found.message}")
+    return np.asarray(found.x), np.asarray(found.fun)
 
 
 def differences(
@@ -310,7 +270,7 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
             rest = fit._function(whole(part))
         else:
             try:
-                _, rest = _search(
+                _, rest = minimum(
                     lambda p: fit._function(whole(p)), part, names, tolerance=1e-8, linear=fit._linear
                 )
             except FitError:

@@ -209,8 +209,8 @@ def _fade(signs: FadeSigns) -> float:
     ridge in the last period than in the one before, and what still varies along the outline outside, show how
     far. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
-    told = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
-    return EDGE.sharp + float(told)
+    shift = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
+    return EDGE.sharp + float(shift)
 
 
 def telling(signs: FadeSigns) -> dict[str, float]:
