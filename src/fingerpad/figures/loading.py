@@ -6,6 +6,7 @@ bar or band of that length to either side. `synthetic` marks data that were simu
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
@@ -375,6 +376,15 @@ def plot_area_against_indentation(
     axes.y = Axis("contact area A (mm²)", low=0, margin=0.12)
     axes.legend, axes.columns = "above", 3
     axes.add(*synthetic_tag(synthetic))
+
+
+def extremes(load: FloatArray, steps: int = 1000) -> npt.NDArray[np.intp]:
+    """Return the samples of least and greatest load in each step of time, all that a drawing shows."""
+    if load.size <= 2 * steps:
+        return np.arange(load.size)
+    ends = np.linspace(0, load.size, steps + 1).astype(int)
+    parts = [(start, load[start:stop]) for start, stop in pairwise(ends)]
+    return np.unique([start + end(part) for start, part in parts for end in (np.argmin, np.argmax)])
 
 
 def _draw_phases(

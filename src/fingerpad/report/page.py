@@ -13,7 +13,9 @@ import numpy as np
 from PIL import Image
 
 from fingerpad._files import explain_write_errors
+from fingerpad._json import dumps
 from fingerpad._rounding import two_digits
+from fingerpad._words import capitalized, ended
 from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag
 from fingerpad.report import plots, text
@@ -62,6 +64,14 @@ def write_page(
     with explain_write_errors(path, way_out):
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
+        said = {
+            "check": [ended(words) for words in text.to_check(result, found)],
+            "missing": list(_missing(result, found)),
+            "better": [f"{capitalized(words)}." for words in text.to_measure_better(result)],
+            "curves": [text.curve_words(curve, result) for curve in result.curves],
+        }
+        if not home:  # for the local page, in the same words
+            (out / f"{path.stem}.json").write_text(dumps(said), encoding="utf-8")
         template = templates().get_template("report.html.jinja")
         page = template.stream(
             result=result,
@@ -70,12 +80,8 @@ def write_page(
             pages=pages,
             failed=result.failed_contacts,
             notes=[*result.notes, *text.sequence_notes(result)],
-            odd=[
-                *text.implausible_values(result),
-                *text.presses_unlike_repeats(result),
-                *text.moduli_apart(found),
-            ],
-            better=list(text.to_measure_better(result)),
+            odd=said["check"],
+            better=said["better"],
             most_failed=_MOST_FAILED,
             corrected=list(records(result.corrected[:_MOST_FAILED])),
             corrections=len(result.corrected),
@@ -98,7 +104,7 @@ def write_page(
             operators=[] if home else result.operators,
             agreement_figures=[] if home else draw(plots.agreement_plots(result)),
             quantity_words=QUANTITY_WORDS,
-            missing=list(_missing(result, found)),
+            missing=said["missing"],
             first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
             thick=any(finger.effective_thickness_mm is not None for finger in result.study.fingers),

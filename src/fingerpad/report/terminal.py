@@ -30,9 +30,7 @@ def outcome_lines(result: StudyResult) -> Iterator[str]:
 def outcome_notes(result: StudyResult) -> Iterator[str]:
     """Yield what looks wrong in the input of a run."""
     yield from result.notes
-    yield from text.implausible_values(result)
-    yield from text.presses_unlike_repeats(result)
-    yield from text.moduli_apart(answers_of(result))
+    yield from text.to_check(result, answers_of(result))
     yield from text.sequence_notes(result)
 
 

@@ -300,6 +300,32 @@ def presses_unlike_repeats(result: StudyResult) -> Iterator[str]:
             )
 
 
+def to_check(result: StudyResult, answers: Iterable[Answer]) -> Iterator[str]:
+    """Yield what looks wrong of the results: what, by how much, and what to do."""
+    yield from implausible_values(result)
+    yield from presses_unlike_repeats(result)
+    yield from moduli_apart(answers)
+
+
+def curve_words(curve: CurveResult, result: StudyResult) -> dict[str, Any]:
+    """Return what a loading curve tells: symbols with their values in words, and its doubts."""
+    fit, of = curve.fit, curve.manifest
+    facts = {"R_g": value_with_uncertainty(curve.loading_radius, curve.loading_radius_std) + " mm"}
+    if fit is not None:
+        exponents = {"m of W ∝ ξᵐ": fit.load_exponent, "n of A ∝ Wⁿ": fit.area_exponent}
+        facts |= {words: value_with_uncertainty(one.value, one.std) for words, one in exponents.items()}
+        modulus = fit.youngs_modulus.times(KPA_PER_MPA)
+        facts["E"] = f"{value_with_uncertainty(modulus.value, modulus.std)} kPa"
+    doubts = [advice(flag) for flag in _curve_flags(curve, result)]
+    return {
+        "title": f"{of.finger}, {of.wedge_angle_deg:g}°: {of.file or 'R_g as given'}",
+        "synthetic": of.synthetic,
+        "facts": {words: said for words, said in facts.items() if not said.startswith("–")},
+        "verdict": f"{counted(len(doubts), 'doubt')}" if doubts else "no doubts" if fit else "",
+        "doubts": [*filter(None, [curve.reason]), *doubts],
+    }
+
+
 def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
     """Yield where a finger's modulus differs between two angles, under like loads, by more than chance."""
     by_finger: dict[tuple[str, bool, bool], list[Answer]] = {}

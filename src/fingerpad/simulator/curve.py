@@ -68,11 +68,16 @@ class Curve:
         )
         return contact.indentation, contact.load, contact.area
 
+    def _loads(self, depth: FloatArray, factors: FloatArray) -> FloatArray:
+        """Return F at multiples of depths, along a first axis, by one call of the laws."""
+        axes = np.broadcast(depth, self.radius).ndim
+        return self.load(depth * factors.reshape(-1, *[1] * axes))
+
     def stiffness(self, depth: FloatArray) -> FloatArray:
         """Return dF/dξ."""
-        near = np.exp(_STEP * np.array([-2, -1, 1, 2]))
-        logarithm = np.stack([np.log(self.load(depth * step)) for step in near], axis=-1)
-        slope = logarithm @ np.array([1, -8, 8, -1]) / (12 * _STEP)
+        steps = np.array([-2, -1, 1, 2])
+        logarithm = np.log(self._loads(depth, np.exp(_STEP * steps)))
+        slope = np.tensordot(np.array([1, -8, 8, -1]), logarithm, axes=1) / (12 * _STEP)
         return np.asarray(self.load(depth) / depth * slope)
 
     def section(self, depth: FloatArray) -> FloatArray:
@@ -94,10 +99,10 @@ class Curve:
         With G = F/(2πR_e) and P = ∫p it is P' − P/h = G', so that P = G + (1/h) ∫ G(s) exp((ξ − s)/h) ds.
         """
         scale = 2 * np.pi * self.radius
-        held = self.load(depth)
-        for node, weight in zip((1 + _NODES) / 2, _WEIGHTS / 2, strict=True):
-            rest = depth * (1 - node) / self.height
-            held = held + weight * depth / self.height * self.load(depth * node) * np.exp(rest)
+        nodes = (1 + _NODES) / 2
+        held, part = self.load(depth), depth / self.height
+        for node, weight, load in zip(nodes, _WEIGHTS / 2, self._loads(depth, nodes), strict=True):
+            held = held + weight * part * load * np.exp(part * (1 - node))
         return (self.stiffness(depth) + held / self.height) / scale
 
 

@@ -14,14 +14,7 @@ from fingerpad.web.answers import RequestError
 from fingerpad.web.events import Events, RunStatus
 
 _INTERVAL_S: Final = 0.2
-# Matplotlib's settings belong to the process: one report at a time, also while a closed study ends its run.
-_DRAWING: Final = Lock()
 _ACTIVE: Final = frozenset(("running", "cancelling"))
-
-
-def _write_report(*args: Any) -> None:
-    with _DRAWING:
-        write_report(*args)
 
 
 class RunJob:
@@ -70,7 +63,7 @@ class RunJob:
     def _work(self, run: Callable[..., StudyResult], when_done: Callable[[], None]) -> None:
         end: dict[str, Any] = {"state": "failed"}
         try:
-            result = run(write_report=_write_report, on_progress=self._progress)
+            result = run(write_report=write_report, on_progress=self._progress)
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}

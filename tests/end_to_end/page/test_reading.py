@@ -108,10 +108,17 @@ def test_area_and_corrected_radius_against_load_with_their_lines_and_bars(tab: T
     page.locator(".chart .scatterlayer .point").first.wait_for()
     cards = page.locator(".plot-card")
     expect(cards).to_have_count(6)
-    for words in ("13.8\u00a0±\u00a04.6 mm", "20.5 mm", "✕ fails"):
+    for words in ("13.8\u00a0±\u00a04.6 mm", "20.5 mm", "✕ radius fails"):
         expect(cards.first).to_contain_text(re.compile(words.replace(" ", r"\s")), use_inner_text=True)
     expect(cards.first.locator(".shapelayer path")).to_have_count(2)
     expect(cards.first.locator(".errorbar")).to_have_count(1)
+    # What the report says, in its words: what to check, what to do about a check, and loading curves.
+    expect(page.locator(".results .note").first).to_contain_text("left_index_ellipse: the moduli")
+    page.get_by_text("To measure better").click()
+    page.get_by_text("Press again under one load, four times or more").wait_for()
+    curve = page.locator(".curve-card").last
+    for words in (r"R\s?g", r"13\.\d+ ± 0", "m of W", r"1\.\d+ ± 0", "doubt"):
+        expect(curve).to_contain_text(re.compile(words), use_inner_text=True)
     page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
     page.locator(".plot-card .synthetic").first.wait_for()
     expect(cards).to_have_count(2)

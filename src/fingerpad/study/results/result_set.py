@@ -26,6 +26,7 @@ OUTPUT_NAMES: Final = frozenset(
     (
         *(SUMS_NAME, "results.csv", "results.json", "results_columns.csv", "summary.json", "by_load.csv"),
         *("repeatability.csv", "second_operator.csv", "figures", "overlays", "report", "report.html"),
+        "report.json",
     )
 )
 _TABLES: Final = frozenset(("results.csv", "results.json", "results_columns.csv", "summary.json"))

@@ -151,6 +151,8 @@ async def _answer(request: Request, error: Exception) -> Response:
         words = f"{file}{error.strerror}"
     elif not isinstance(error, FingerpadError):
         words = f"this cannot be done ({type(error).__name__}: {error})"
+    # Where the studies lie on this machine is nothing to show.
+    words = words.replace(f"{request.app.state.workspace.workspace}{os.sep}", "")
     # A file's name may hold bytes that are not text.
     text = dumps({"error": words, **more}).encode(errors="replace")
     return Response(text, status_code=status, headers=headers, media_type="application/json")

@@ -5,7 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from itertools import islice
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,7 @@ from fingerpad._words import capitalized
 from fingerpad.flags import FLAGS
 from fingerpad.published import audit
 from fingerpad.report.plots import group_name
-from fingerpad.report.text import check_words, pooling_words
+from fingerpad.report.text import check_words, pooling_words, remedies
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results import output
 from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey, UncertaintyCheckRecord
@@ -26,6 +26,9 @@ from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of,
 from fingerpad.web.api.base import Opened, Params, Query, here, router
 
 _MOST_IN_QUESTION: Final = 200
+Plotted: TypeAlias = Literal[
+    "gross_area_mm2", "youngs_modulus_kpa", "radius_from_indentation_mm", "indentation_mm", "aspect_ratio"
+]
 
 
 class ColumnEntry(Answer):
@@ -38,12 +41,11 @@ class ColumnEntry(Answer):
 
 
 class Rows(Answer):
-    """Some rows of the results; quantities in words have no units, and `usual` columns are read first."""
+    """Some rows of the results, and the columns to show; quantities in words have no units."""
 
     total: int
     matching: int
     columns: list[ColumnEntry]
-    usual: list[str]
     rows: list[dict[str, Quantity | Cell]]
 
 
@@ -131,7 +133,7 @@ class AuditedNumber(Answer):
 
 
 class RowsParams(Params):
-    """Filters and order of rows."""
+    """Filters and order of rows, and whether they have the usual columns only."""
 
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
     limit: Annotated[int, Field(ge=1, le=2000)] = 100
@@ -142,6 +144,7 @@ class RowsParams(Params):
     sequence: str | None = None
     text: Annotated[str, Field(max_length=200)] = ""
     wedge_angle_deg: float | None = None
+    usual: bool = False
 
 
 @router.get("/results/rows")
@@ -154,8 +157,11 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
         if key not in found.table:
             raise RequestError.impossible(f"no column is named {key!r}")
         chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
-    columns = [name for name in found.table if name not in _STDS]  # those stand beside their numbers
-    layered = any(finger.effective_thickness_mm is not None for finger in opened.study().fingers)
+    shown_names = [name for name in found.table if name not in _STDS]  # those stand beside their numbers
+    if params.usual:
+        layered = any(finger.effective_thickness_mm is not None for finger in opened.study().fingers)
+        shown_names = [name for name in _USUAL if name in shown_names and (layered or "layer" not in name)]
+    columns = [*dict.fromkeys((*_OF_A_ROW, *shown_names))]
     shown = chosen[params.offset : params.offset + params.limit]
     cells = zip(items(shown["observation"]), records(shown, *_with_stds(columns)), strict=True)
     return Rows.of(
@@ -163,9 +169,8 @@ def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
         matching=len(chosen),
         columns=[
             ColumnEntry(key=name, label=_label(name), words=COLUMNS[name].meaning, symbol=_SYMBOLS.get(name))
-            for name in columns
+            for name in shown_names
         ],
-        usual=[name for name in _USUAL if name in columns and (layered or "layer" not in name)],
         rows=[{"item": item, **{name: _cell(row, name) for name in columns}} for item, row in cells],
     )
 
@@ -190,6 +195,8 @@ def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     return chosen
 
 
+# What the page takes of each row, whichever columns it shows.
+_OF_A_ROW: Final = ("observation", "synthetic", "flags", "reason", "file", "sequence")
 # The usual columns in their order; those of a layer where a finger has a thickness.
 _USUAL: Final = (
     *("finger", "wedge_angle_deg", "load_N", "status", "radius_from_indentation_mm", "semi_major_mm"),
@@ -215,12 +222,17 @@ def _label(name: str) -> str:
     return ", ".join(filter(None, (_LABELS.get(name) or _SYMBOLS.get(name, plain), unit_of(name))))
 
 
-# What is plotted against load.
-_PLOTTED: Final = (
-    *("radius_from_indentation_mm", "radius_from_compliance_mm", "gross_area_mm2", "aspect_ratio"),
-    *("indentation_mm", "youngs_modulus_kpa", "indentation_on_layer_mm", "youngs_modulus_on_layer_kpa"),
-)
-_ON_GIVEN_PAD: Final = f"{_PLOTTED[0]}_fixed_geometry"
+_RADIUS: Final = "radius_from_indentation_mm"
+_FIXED: Final = "_fixed_geometry"
+# What is plotted against load, and what beside it.
+_PLOTTED: Final[Mapping[Plotted, tuple[str, ...]]] = {
+    "gross_area_mm2": (),
+    "youngs_modulus_kpa": ("youngs_modulus_on_layer_kpa",),
+    _RADIUS: ("radius_from_compliance_mm", f"{_RADIUS}{_FIXED}"),
+    "indentation_mm": ("indentation_on_layer_mm",),
+    "aspect_ratio": (),
+}
+_POINTS: Final = (*_PLOTTED, *(name for beside in _PLOTTED.values() for name in beside))
 
 
 def _with_stds(names: Iterable[str]) -> list[str]:
@@ -235,13 +247,13 @@ _STDS: Final = frozenset(stds[-1] for name in COLUMNS if (stds := _with_stds([na
 _OF_ROWS: Final = (
     *(*PLACEMENT, "observation", "status", "frame", "load_N", "range_notes"),
     *("pooled", "excluding_flags", "pooling_corrected_by", "pooling_reason"),
-    *(*_with_stds((*_PLOTTED, "semi_major_mm", "semi_minor_mm")), f"{_ON_GIVEN_PAD}_std"),
+    *_with_stds((*_POINTS, "semi_major_mm", "semi_minor_mm")),
 )
 
 
 @router.get("/results/plot")
-def plot(opened: Opened) -> list[PlottedGroup]:
-    """Return the data to plot for each finger and placement."""
+def plot(opened: Opened, quantity: Plotted | None = None) -> list[PlottedGroup]:
+    """Return the data to plot for each finger and placement, by default of all quantities."""
     found = opened.require_results()
     active = opened.corrections.active_corrections()
     placed: dict[PlacementKey, list[Row]] = {one.key: [] for one in found.summary.summaries}
@@ -249,16 +261,21 @@ def plot(opened: Opened) -> list[PlottedGroup]:
     for row in records(with_areas(found.table[[*_OF_ROWS]])):
         key = tuple(row[name] for name in PLACEMENT)
         if key in placed:
-            placed[key].append(row)
+            # On a given pad only its standard uncertainty differs.
+            placed[key].append({**row, f"{_RADIUS}{_FIXED}": row[_RADIUS]})
     answers = output.answers(found.summary.summaries, found.summary.by_load)
-    return [_group(one, placed[one.of.key], active) for one in answers]
+    names = (quantity, *_PLOTTED[quantity]) if quantity else _POINTS
+    return [_group(one, placed[one.of.key], names, active) for one in answers]
 
 
-def _group(found: output.Answer, placed: list[Row], active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
+def _group(
+    found: output.Answer, placed: list[Row], names: Iterable[str], active: Mapping[str, ActiveCorrection]
+) -> PlottedGroup:
     of = found.of
     rows = [row for row in placed if row["status"] == "measured"]
     rejected = sum(row["status"] == "rejected" and row["frame"] is None for row in placed)
-    radius = of.validity.headlines[_PLOTTED[0]]
+    radius = of.validity.headlines[_RADIUS]
+    to_do = remedies(of.validity.checks)
     codes = Counter(code for row in rows for code in (row["range_notes"] or "").split())
     return PlottedGroup.of(
         of,
@@ -268,25 +285,24 @@ def _group(found: output.Answer, placed: list[Row], active: Mapping[str, ActiveC
         items=[row["observation"] for row in rows],
         load_N=[row["load_N"] for row in rows],
         pooled=[row["pooled"] for row in rows],
-        points=_points(rows),
+        points={
+            name: [Quantity.read(row.get, name, unit_of(name.removesuffix(_FIXED))) for row in rows]
+            for name in names
+        },
         doubts=[
             f"{codes[code]} of {len(rows)} contacts and frames: {flag.words}. To do: {flag.to_do}."
             for code, flag in FLAGS["row"].items()
             if code in codes
         ],
         verdict=of.validity.verdict,
-        checks=[(one.verdict, check_words(one)) for one in of.validity.checks],
+        checks=[
+            (one.verdict, ". ".join(filter(None, (check_words(one), capitalized(to_do.get(one.check, ""))))))
+            for one in of.validity.checks
+        ],
         radius_verdict=radius.verdict,
         radius_of_model=not math.isnan(radius.model_std),
         radius_from_indentation_mm_total_std=radius.total_std,
     )
-
-
-def _points(rows: list[Row]) -> dict[str, list[Quantity]]:
-    """Return what is plotted against load, by column; also the corrected radius on a given pad."""
-    points = {name: [Quantity.read(row.get, name) for row in rows] for name in _PLOTTED}
-    given = [{**row, _ON_GIVEN_PAD: row[_PLOTTED[0]]} for row in rows]
-    return points | {_ON_GIVEN_PAD: [Quantity.read(row.get, _ON_GIVEN_PAD, "mm") for row in given]}
 
 
 def _pooling(rows: list[Row], rejected: int, active: Mapping[str, ActiveCorrection]) -> Pooling:

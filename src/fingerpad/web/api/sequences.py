@@ -1,7 +1,6 @@
 """Sequences: their frames with what the last run measured on them, and the force beside it."""
 
 from functools import partial
-from itertools import pairwise
 from typing import Annotated, Any, Final, TypeAlias
 
 import numpy as np
@@ -10,6 +9,7 @@ from pydantic import Field
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError
+from fingerpad.figures.loading import extremes
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
 from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
 from fingerpad.study.corrections.changes import PhaseStart
@@ -20,7 +20,6 @@ from fingerpad.web.answers import Answer, RequestError, Review, review_of
 from fingerpad.web.api.base import Opened, router
 from fingerpad.web.study_session import StudySession
 
-_STEPS: Final = 1000
 _SHIFTS: Final = 81
 # Frames are displaced by up to this share of the time that they cover.
 _FARTHEST: Final = 0.2
@@ -125,22 +124,13 @@ def signal(opened: Opened, sequence: _Name) -> SequenceSignal:
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     timed = {frame: row for frame, row in _rows(opened, sequence).items() if row["time_s"] is not None}
-    drawn, phases = _extremes(force), phase_intervals(force.time, force.load)
+    drawn, phases = extremes(force.load), phase_intervals(force.time, force.load)
     return SequenceSignal.of(
         time_s=force.time[drawn],
         load_N=force.load[drawn],
         phases=[{"phase": one, "start_s": at} for one, at in zip(phases.phase, phases.start, strict=True)],
         **_alignment(stated, force, timed),
     )
-
-
-def _extremes(force: ForceSignal) -> Any:
-    """Return the samples of least and greatest load in each of many steps of time."""
-    if force.load.size <= 2 * _STEPS:
-        return np.arange(force.load.size)
-    ends = np.linspace(0, force.load.size, _STEPS + 1).astype(int)
-    steps = [(start, force.load[start:stop]) for start, stop in pairwise(ends)]
-    return np.unique([start + end(loads) for start, loads in steps for end in (np.argmin, np.argmax)])
 
 
 def _alignment(sequence: ContactSequence, force: ForceSignal, timed: dict[int, Row]) -> dict[str, Any]:

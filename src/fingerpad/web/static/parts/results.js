@@ -8,11 +8,11 @@ import { chip, synthetic } from "./forms.js";
 
 const KIND = { holds: "good", strained: "warn", fails: "bad" };
 
-/** @param {string} verdict @param {[verdict: string, words: string][]} [checks] */
-export function verdictChip(verdict, checks = []) {
+/** @param {string} verdict @param {[verdict: string, words: string][]} [checks] @param {string} [of] */
+export function verdictChip(verdict, checks = [], of = "") {
   const tested = checks.filter(([found]) => found !== "not tested");
   return chip(
-    `${rules().verdicts[verdict] ?? "–"} ${verdict}`,
+    `${rules().verdicts[verdict] ?? "–"} ${of}${verdict}`,
     KIND[verdict] ?? "",
     [`Hertz theory: ${verdict}`, ...tested.map(([, words]) => words)].join("\n"),
   );

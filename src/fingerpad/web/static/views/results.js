@@ -100,25 +100,14 @@ export class Results {
   }
 
   #sayFresh() {
-    const { results, assumed, taken_as_exact: exact } = workspace.study;
-    if (!results.there) {
-      render(this.banner);
-      return;
-    }
-    const inputs = exact.length + assumed.length > 0 && [
-      exact.length > 0 && exactNote(exact),
-      assumed.length > 0 &&
-        h("p", [
-          `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
-          h("a", { href: "#/study" }, "Set"),
-        ]),
-    ];
+    const { results, ready } = workspace.study;
     render(this.banner, [
-      this.key !== "audit" && [doubtNotes("div.banner.note"), inputs && h("div.banner.note", inputs)],
-      !results.fresh &&
+      results.there && this.key !== "audit" && doubtNotes("div.banner.note"),
+      results.there &&
+        !results.fresh &&
         h("div.banner.note", [
-          "The study has changed since the last run. ",
-          h("a", { href: workspace.study.ready ? "#/run/start" : "#/study" }, "Run again"),
+          `The ${results.other_program ? "program" : "study"} has changed since the last run. `,
+          h("a", { href: ready ? "#/run/start" : "#/study" }, "Run again"),
           " to update the results; only what has changed is measured.",
         ]),
     ]);
@@ -133,21 +122,4 @@ export class Results {
     this.removeListener();
     this.part?.close?.();
   }
-}
-
-/** Say which inputs are taken as exact; many of them fold away, above the plots. */
-function exactNote(exact) {
-  const where = [
-    "Enter it under ",
-    h("a", { href: "#/study" }, "Study"),
-    " or ",
-    h("a", { href: "#/scale" }, "Scale"),
-    ".",
-  ];
-  const words = (inputs) => `No uncertainty is given for ${inputs}: the uncertainties shown are too small. `;
-  if (exact.length <= 3) return h("p", [words(exact.join(", ")), where]);
-  return h("details", [
-    h("summary", words(`${exact.length} inputs`)),
-    h("p", [`${exact.join(", ")}. `, where]),
-  ]);
 }

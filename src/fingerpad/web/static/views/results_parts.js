@@ -5,7 +5,7 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { percent } from "../core/quantity.js";
 import { figureButton } from "../parts/figure_settings.js";
-import { chip, choiceField, list, numberField } from "../parts/forms.js";
+import { alarm, chip, choiceField, list, numberField, synthetic } from "../parts/forms.js";
 import { figureOf, groupCard } from "../parts/results.js";
 import { numberHeadings, scrolled, tableOf } from "../parts/tables.js";
 
@@ -46,6 +46,27 @@ function figureCard(figure) {
     h("figcaption", [h("p", words), h("div.actions", [save, figureButton(figure, "")])]),
   ]);
 }
+
+/** What the report says of all results, in its words. @param {Record<string, string[]>} said */
+export const adviceNotes = ({ check, better, missing }) => [
+  check.length > 0 && h("div.note", [h("strong", "Check the results"), list(check)]),
+  [
+    ["To measure better", better],
+    [`What is exact, assumed or missing (${missing.length}): the ± leave out what that would add`, missing],
+  ].map(([title, words]) => words.length > 0 && h("details.range", [h("summary", title), list(words)])),
+];
+
+/** What a loading curve tells. */
+export const curveCard = ({ title, synthetic: made, facts, verdict, doubts }) =>
+  h("section.card.curve-card", { "aria-label": title }, [
+    h("header", [h("h2", title), synthetic(made), chip(verdict, doubts.length ? "warn" : "good")]),
+    h("dl.facts", [
+      Object.entries(facts).map(([term, words]) =>
+        h("div", [h("dt", /^\w+$/.test(term) ? symbol(term) : term), h("dd.number", words)]),
+      ),
+    ]),
+    list(doubts, "ul.note"),
+  ]);
 
 /** Uncertainty budget of the corrected radius. */
 export async function showBudget(root) {
@@ -145,8 +166,7 @@ function simulatorCard(group, figures, asked) {
   turn = turn.then(async () => {
     if (!body.isConnected) return;
     const found = await get("/results/simulator", /** @type {any} */ (query)).catch((error) => error);
-    if (found instanceof Error) render(body, h("p.note", { role: "alert" }, found.message));
-    else render(body, [simulatorNumbers(found), files]);
+    render(body, found instanceof Error ? alarm(found.message) : [simulatorNumbers(found), files]);
   });
   // Of the curves of this finger and angle, the first that has the figure.
   const drawn = figures.find(({ name }) => name.replace(/^curve\d+_/, "") === `${group.figure}_simulator`);

@@ -8,6 +8,7 @@ import { chart, colour, forget, prepareCharts } from "../parts/chart.js";
 import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupCard, verdictChip } from "../parts/results.js";
+import { adviceNotes, curveCard } from "./results_parts.js";
 
 const RADIUS = "radius_from_indentation_mm";
 const COMPARED = "radius_from_compliance_mm";
@@ -43,6 +44,9 @@ const BARS = [
 /** Whether a quantity is known of any contact of a group. @param {Answers["PlottedGroup"]} group */
 const isThere = ({ points }, key) => points[key].some(({ value }) => value !== null);
 
+/** The groups with one quantity: all of them take long to send of many contacts. */
+const read = (quantity) => get("/results/plot", { quantity });
+
 export class Plots {
   /** @type {Answers["PlottedGroup"][]} */
   groups = [];
@@ -59,31 +63,40 @@ export class Plots {
 
   async load() {
     prepareCharts(); // meanwhile
-    [this.groups, this.figures] = await Promise.all([get("/results/plot"), get("/results/figures")]);
-    const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
-    if (!this.groups.length) {
+    const asked = [
+      read(this.quantity),
+      get("/results/figures"),
+      get(/** @type {any} */ ("/download/report.json")),
+    ];
+    const [groups, figures, said] = await Promise.all(/** @type {any[]} */ (asked));
+    Object.assign(this, { groups, figures });
+    const fingers = [...new Set(groups.map(({ finger }) => finger))];
+    const curves = h("div.plot-grid", [said.curves.map(curveCard)]);
+    if (!groups.length) {
       const words = "There are no contacts in these results: a plot needs finger, angle, load and scale. ";
-      render(this.root, h("p.lead", [words, h("a", { href: "#/study" }, "See the Study page.")]));
+      const none = h("p.lead", [words, h("a", { href: "#/study" }, "See the Study page.")]);
+      render(this.root, [adviceNotes(said), none, curves]);
       return;
     }
     this.grid = h("div.plot-grid");
-    const choice = (label, key, options) =>
-      choiceField(label, {
-        value: this[key],
-        options,
-        onset: (value) => {
-          this[key] = value;
-          this.#draw();
-        },
-      });
+    const set = (change) => {
+      Object.assign(this, change);
+      this.#draw();
+    };
+    const choice = (label, key, options, onset = (value) => set({ [key]: value })) =>
+      choiceField(label, { value: this[key], options, onset });
     render(this.root, [
+      adviceNotes(said),
       h("div.plot-bar", [
-        choice("Against load", "quantity", QUANTITIES),
+        choice("Against load", "quantity", QUANTITIES, async (quantity) =>
+          set({ groups: await read(quantity), quantity }),
+        ),
         choice("Finger", "finger", [["", "all fingers"], ...fingers]),
         choice("Error bars (standard uncertainty)", "bars", BARS),
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ]),
       this.grid,
+      said.curves.length > 0 && [h("h2", "Loading curves"), curves],
     ]);
     this.watcher = new IntersectionObserver(
       (entries) => {
@@ -157,7 +170,7 @@ export class Plots {
               h("dd.number", { title: group.radius_of_model ? WITH_MODEL : "" }, [
                 group.radius_from_indentation_mm.words,
                 " ",
-                verdictChip(group.radius_verdict, group.checks),
+                verdictChip(group.radius_verdict, group.checks, "radius "),
               ]),
             ]),
           fact(symbol("R_0g"), group.mean_curvature_radius_mm),
@@ -245,14 +258,8 @@ export class Plots {
       { label: "<i>R</i><sub>0g</sub>", value: group.mean_curvature_radius_mm.value, dash: "dot" },
       { label: "<i>R</i><sub>g</sub>", value: group.loading_radius_mm.value, dash: "dash" },
     ].filter(({ value }) => radius && value !== null);
-    // Labels of lines that lie close together are moved apart.
-    const heights = [
-      ...lines.map(({ value }) => value),
-      ...drawn.flatMap(({ value, std }) => (value === null ? [] : [value - std, value + std])),
-    ];
-    const range = Math.max(...heights) - Math.min(...heights);
+    // The label of the upper line stands above it, the other below, as they may lie close together.
     const [one, other] = lines.map(({ value }) => value);
-    const close = Math.abs(one - other) < 0.08 * range; // never where one is missing
     const upper = one >= other ? 0 : 1;
     try {
       await chart(node, traces, {
@@ -269,7 +276,7 @@ export class Plots {
           line: { color: ink, width: 1.3, dash },
         })),
         annotations: lines.map(({ label, value }, k) => ({
-          yshift: close ? (k === upper ? 8 : -8) : 0,
+          yshift: lines.length > 1 ? (k === upper ? 8 : -8) : 0,
           xref: "paper",
           x: 1.01,
           xanchor: "left",

@@ -26,8 +26,7 @@ export class Table {
   constructor(root) {
     this.root = root;
     /** @type {Record<string, any>} */
-    this.asked = { offset: 0, limit: LIMIT };
-    this.all = false;
+    this.asked = { offset: 0, limit: LIMIT, usual: true };
   }
 
   async load() {
@@ -59,7 +58,7 @@ export class Table {
         filter("Wedge", "wedge_angle_deg", "all", angles),
         filter("Status", "status", "all", ["measured", "failed", "rejected"]),
         filter("Flag", "flag", "any", flags),
-        check("All columns", { onset: (on) => ((this.all = on), this.#draw(this.answer)) }),
+        check("All columns", { onset: (on) => this.#ask({ usual: !on }) }),
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ]),
@@ -68,12 +67,12 @@ export class Table {
     ]);
     this.rows = new LatestRequest(
       (asked) => get("/results/rows", asked),
-      (answer) => this.#draw((this.answer = answer)),
+      (answer) => this.#draw(answer),
       showError,
       this.table,
     );
     this.drawn = "";
-    this.#draw((this.answer = await get("/results/rows", this.asked)));
+    this.#draw(await get("/results/rows", this.asked));
   }
 
   search() {
@@ -86,15 +85,13 @@ export class Table {
   }
 
   /** @param {Answers["Rows"]} answer */
-  #draw({ columns, usual, rows, matching, total }) {
-    const { offset, sort } = this.asked;
+  #draw({ columns, rows, matching, total }) {
+    const { offset, sort, usual } = this.asked;
     // Drawn again, a row that is there already would lose the focus.
-    const drawn = JSON.stringify([rows, matching, offset, sort, this.all]);
+    const drawn = JSON.stringify([rows, matching, offset, sort, usual]);
     if (drawn === this.drawn) return;
     this.drawn = drawn;
-    const shown = this.all
-      ? columns.filter(({ key }) => key !== "observation")
-      : usual.map((wanted) => columns.find(({ key }) => key === wanted));
+    const shown = columns.filter(({ key }) => key !== "observation");
     const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
     const turn = (page) => this.#ask({ offset: page * LIMIT });

@@ -10,7 +10,7 @@ import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js"
 const PAGE = 12;
 
 /** The fields of a length and its uncertainty. @param {{ min?: number, above?: number }} limits of both */
-function quantity(words, now, std, limits) {
+export function quantity(words, now, std, limits) {
   const [value, its] = [now, std].map((each) => number({ value: each, ...limits }));
   const unit = "mm";
   return {

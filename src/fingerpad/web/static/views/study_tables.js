@@ -9,7 +9,7 @@ import { describeCode, workspace } from "../core/workspace.js";
 import { attempt, chip, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_ways.js";
 import { cell, paged, row, statusChip, tableCard } from "../parts/tables.js";
-import { FingerTable } from "./study_fingers.js";
+import { FingerTable, quantity } from "./study_fingers.js";
 
 /** Contacts on a page. */
 const PAGE = 50;
@@ -228,20 +228,18 @@ export class StudyTables {
     const names = workspace.study.fingers.map(({ name }) => name);
     const finger = choose({ value: names[0], options: names });
     const wedge = number({ min: 0, max: 90 });
-    const radius = number({ min: 0 });
-    const std = number({ min: 0 });
+    const radius = quantity("R_g", null, null, { min: 0 });
     const fields = h("div.fields", [
       field("Finger", finger),
       field("Wedge angle", wedge, { unit: "°" }),
-      field("R_g", radius, { unit: "mm" }),
-      field("± (standard uncertainty)", std, { unit: "mm" }),
+      radius.fields,
     ]);
-    if (!(await ask("R_g from loading data", fields, "Add")) || numberIn(radius) === null) return;
+    if (!(await ask("R_g from loading data", fields, "Add")) || numberIn(radius.value) === null) return;
     const entered = Object.entries({
       finger: finger.value,
-      loading_radius_mm: numberIn(radius),
+      loading_radius_mm: numberIn(radius.value),
       wedge_angle_deg: numberIn(wedge),
-      loading_radius_mm_std: numberIn(std),
+      loading_radius_mm_std: numberIn(radius.its),
     }).filter(([, value]) => value !== null);
     this.change("curve", String(workspace.study.curves.length), Object.fromEntries(entered));
   }
