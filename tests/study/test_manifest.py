@@ -219,6 +219,13 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path, encodin
     assert row.notes == "größer, als 1,5 N"
 
 
+def test_names_that_may_be_of_one_finger_are_named(tmp_path):
+    study = write_study(tmp_path, *(finger(name) for name in ("left_index", "leftindex", "right_index")))
+    (doubt,) = read_study(study).doubts()
+    words = "left_index and leftindex: are these names of one finger? then write one of them everywhere"
+    assert doubt == words
+
+
 def test_loads_and_lengths_of_a_spreadsheet_may_be_in_other_units(tmp_path):
     head = "name;finger;wedge_angle_deg;Load (mN);semi_major_um;semi_minor_mm;ellipse_mm_std"
     cells = "b;index;45;300;5301;4,12;0,1"

@@ -167,6 +167,15 @@ def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study
     assert not (study / "results").exists()
 
 
+def test_what_is_complete_is_run_without_the_rest(client, study):
+    half = {"file": "synthetic/synthetic_30deg_1N.png", "finger": "f", "wedge_angle_deg": 30}
+    edits = [{"kind": "observation", "key": "half", "set": half}]
+    client.study_post("edits", expected=client.ask("state")["digest"], edits=edits).raise_for_status()
+    assert run_of(client, incomplete=True)["state"] == "done"
+    assert "half" not in {row["observation"] for row in rows(client, limit=2000)["rows"]}
+    assert "left out, as it is not complete" in (study / "results" / "report.html").read_text()
+
+
 def test_one_run_at_a_time_with_events(client):
     heard = []
 

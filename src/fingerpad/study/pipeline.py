@@ -62,6 +62,7 @@ def run_study(
     scheduler: str | None = None,
     force: bool = False,
     all_columns: bool = False,
+    incomplete: bool = False,
     limits: Limits = DEFAULT_LIMITS,
     write_report: ReportWriter | None = None,
     on_progress: Callable[[Progress], None] = lambda _: None,
@@ -87,6 +88,8 @@ def run_study(
     all_columns : bool
         Write also the columns that few ask for: parts of uncertainties, automatic semi-axes under corrected
         ones, centroids, radii by other routes.
+    incomplete : bool
+        Run what is complete of a study that lacks entries; the notes name what is left out.
     limits : Limits
         Time and memory that measuring one picture may take.
     write_report : callable, optional
@@ -136,7 +139,8 @@ def run_study(
     out = result_set.results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
     loaded = load_study(manifest)
-    study, read = loaded.complete(), loaded.digests
+    study, read = loaded.study if incomplete else loaded.complete(), loaded.digests
+    left_out = [f"left out, as it is not complete: {line}" for line in loaded.issues]
     del loaded  # of many rows its tables take as much as the study
     log, second = CorrectionLog(folder), CorrectionLog(folder, SECOND_OPERATOR_NAME)
     of_logs = {CORRECTIONS_NAME: log.digest, SECOND_OPERATOR_NAME: second.digest}
@@ -176,6 +180,7 @@ def run_study(
                     measured,
                     origin={**origin, "limits_per_picture": asdict(limits)},
                     notes=(
+                        *left_out,
                         *log.notes,
                         *second.notes,
                         *map(_DAMAGED.format, damaged),

@@ -89,13 +89,6 @@ class StudySession:
         """Return the complete part of the study."""
         return self.read().study
 
-    def require_complete(self) -> None:
-        """Refuse to go on with a study that has issues."""
-        if self.read().issues:
-            faults = [one for one in self.missing() if one.kind not in {"file", "folder"}]
-            words = "; ".join(one.words for one in faults)
-            raise RequestError.impossible(f"the study is not complete: {words}", faults=faults)
-
     def _loaded(self) -> tuple[LoadedStudy, list[Missing]]:
         with self._lock:
             while self._read is None or not self._is_as_stamped(self._read[0]):
@@ -308,7 +301,7 @@ class StudySession:
         try:
             found = Results(table=read_rows(self.out), summary=SummaryFile.read(self.out))
         except FingerpadError as error:
-            return None, [str(error).removesuffix(f"; {RERUN}")]
+            return None, [str(error).removesuffix(f"; {RERUN}").removeprefix(f"{self.out}{os.sep}")]
         # pandas copies all units with each column that is taken, half of a plot's time.
         found.table.attrs.clear()
         return found, []

@@ -31,7 +31,10 @@ def folder_of(study: Path) -> Path:
     if study.is_dir():
         return study.absolute()
     if not study.is_file():
-        raise ManifestError(f"{study}: no such file; name a folder to begin a study in, or none")
+        raise ManifestError(
+            f"{study}: no such file or folder; `fingerpad init {study.parent if study.suffix else study}` "
+            "writes a study to start from, and `fingerpad app` alone begins one here"
+        )
     if study.name != STUDY_NAME:
         raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
     return study.absolute().parent

@@ -5,6 +5,7 @@ What is wrong with the values of a table is said in words.
 
 import difflib
 import math
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Annotated, Any, Final, Literal, NamedTuple, Self, TypeAlias, TypeVar, get_args
@@ -668,6 +669,12 @@ class Study(ManifestModel):
             axes = finger.semi_axes_mm
             if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
+        alike: dict[str, list[str]] = {}
+        for finger in self.fingers:
+            alike.setdefault(re.sub(r"[\W_]", "", finger.name).casefold(), []).append(finger.name)
+        for names in alike.values():
+            if len(names) > 1:
+                yield f"{joined(names, 3)}: are these names of one finger? then write one of them everywhere"
         entered: dict[tuple[float, float], list[str]] = {}
         for observation in self.observations:
             if (ellipse := observation.ellipse_mm) and ellipse.semi_major != round(ellipse.semi_major, 2):

@@ -19,6 +19,7 @@ from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, is_rejected
 from fingerpad.study.editing.propose import NewFile, named_file
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import MEASUREMENT_VERSIONS
 from fingerpad.study.imports.identify import kind_of_file
 from fingerpad.study.imports.names import FileKind, scale_words
 from fingerpad.study.manifest.load import STUDY_NAME, Kind, Table
@@ -142,13 +143,14 @@ class FileEntry(Answer):
 
 
 class ResultsStatus(Answer):
-    """Whether there are results, and whether they are those of the current study."""
+    """Whether there are results, and whether they are those of the current study and program."""
 
     there: bool
     faults: list[str]
     report: bool
     finished: str | None
     fresh: bool
+    other_program: bool
 
 
 class State(Answer):
@@ -166,8 +168,6 @@ class State(Answer):
     uncertainty: Uncertainty
     stated: list[str]
     apparatus: Apparatus
-    taken_as_exact: list[str]
-    assumed: list[str]
     doubts: list[str]
     ready: bool
     missing: list[Missing]
@@ -224,8 +224,6 @@ class _Known:
             name=opened.name,
             digest=self.loaded.digest,
             stated=sorted(study.uncertainty.model_fields_set),
-            taken_as_exact=list(study.taken_as_exact()),
-            assumed=study.assumed(),
             doubts=list(map(ended, study.doubts())),
             ready=not self.loaded.issues,
             missing=opened.missing(),
@@ -377,4 +375,5 @@ class _Known:
             report=has_report,
             finished=made.made if made else None,
             fresh=bool(made and fresh and has_report),
+            other_program=made is not None and made.measurement_versions != MEASUREMENT_VERSIONS,
         )

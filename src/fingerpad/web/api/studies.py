@@ -21,7 +21,7 @@ from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Us
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
-from fingerpad.web.answers import Answer
+from fingerpad.web.answers import Answer, RequestError
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.events import Event, RunStatus
@@ -83,10 +83,11 @@ class OpenParams(Params):
 
 
 class RunParams(Params):
-    """Options of a run."""
+    """Options of a run, `incomplete` to leave out what lacks entries."""
 
     workers: Annotated[int, Field(ge=1, le=64)] = 1
     force: bool = False
+    incomplete: bool = False
 
 
 @here.get("/session")
@@ -153,10 +154,12 @@ async def listen(opened: Opened) -> AsyncIterator[ServerSentEvent]:
 @router.post("/run", status_code=HTTPStatus.ACCEPTED)
 def run(opened: Opened, params: Body[RunParams]) -> RunStatus:
     """Start a run of the study."""
-    opened.require_complete()
+    if opened.read().issues and not params.incomplete:
+        faults = [one for one in opened.missing() if one.kind not in {"file", "folder"}]
+        raise RequestError.impossible("; ".join(one.words for one in faults), faults=faults)
     workers = min(params.workers, os.cpu_count() or 1)
-    study = opened.folder / STUDY_NAME
-    measure = partial(run_study, study, opened.out, workers=workers, force=params.force)
+    options = params.model_dump() | {"workers": workers}
+    measure = partial(run_study, opened.folder / STUDY_NAME, opened.out, **options)
     return opened.run_job.start(measure, when_done=opened.tell_changed)
 
 

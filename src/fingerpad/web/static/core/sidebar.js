@@ -17,7 +17,8 @@ function stepStatus(step) {
   const doubtful = contacts.filter((one) => one.flags.length && !one.accepted && !one.rejected).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs);
   const { results, sequences } = study;
-  const counts = [contacts.length, sequences.length && `${sequences.length} seq.`]
+  const typed = study.observations.length - contacts.length;
+  const counts = [contacts.length, typed && `${typed} typed`, sequences.length && `${sequences.length} seq.`]
     .filter(Boolean)
     .join(" + ");
   const { run } = workspace;

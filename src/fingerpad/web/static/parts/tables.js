@@ -1,20 +1,24 @@
 // Tables of what a study holds, one row for each thing.
 
 import { h, small } from "../core/dom.js";
+import { workspace } from "../core/workspace.js";
 import { chip } from "./forms.js";
 
 const STATUS = {
   done: ["measured", "good"],
   left: ["not measured", ""],
   stale: ["changed", "warn"],
+  older: ["program changed", "warn"],
   failed: ["failed", "bad"],
   given: ["given", ""],
   rejected: ["rejected", "bad"],
 };
 
 /** @param {{ status?: string, reason?: string | null, complete?: boolean }} entry */
-export const statusChip = ({ status, reason, complete }) =>
-  incompleteChip({ complete }) || chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
+export function statusChip({ status, reason, complete }) {
+  const key = status === "stale" && workspace.study.results.other_program ? "older" : status;
+  return incompleteChip({ complete }) || chip(...(STATUS[key] ?? [key ?? "", ""]), reason ?? undefined);
+}
 
 /** @param {{ complete?: boolean }} entry */
 export const incompleteChip = ({ complete }) => complete === false && chip("incomplete", "warn");

@@ -3,7 +3,7 @@
 import { get, LatestRequest, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { goTo, showError, toast } from "../core/messages.js";
-import { short } from "../core/quantity.js";
+import { counted, short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { SequenceTraces } from "../editor/sequence_traces.js";
 import { figureButton } from "../parts/figure_settings.js";
@@ -56,7 +56,11 @@ export class Contacts extends ContactReview {
       this.tool = "lasso";
       this.nothingToAccept = "Outline the contact first: lasso, polygon or threshold.";
     }
-    if (!this.source) renderNone(root, "Contacts", "No contact images yet", NONE);
+    const typed = workspace.study.observations.length;
+    const none = typed
+      ? `${counted(typed, "contact")} typed as ellipses, no images`
+      : "No contact images yet";
+    if (!this.source) renderNone(root, "Contacts", none, NONE);
     else this.#build();
   }
 

@@ -6,6 +6,7 @@ import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { attempt, check, chip, choiceField, head, list, withoutOverlap } from "../parts/forms.js";
+import { missingList } from "../parts/missing_fields.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -15,6 +16,7 @@ const STATES = {
   cancelled: "Stopped. Finished measurements are kept",
   failed: "The run failed",
 };
+const CHANGED = "The last run has finished; the study has changed since";
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
 
 const FILES = [
@@ -76,10 +78,17 @@ export class Run {
     return ["running", "cancelling"].includes(workspace.run?.state);
   }
 
+  /** Whether something can be measured, though other entries are missing. */
+  get #hasComplete() {
+    const { observations, sequences, curves } = workspace.study;
+    return [...observations, ...sequences, ...curves].some(({ complete }) => complete);
+  }
+
   #start = withoutOverlap(async () => {
-    if (this.busy || !workspace.study.ready) return;
+    const { ready } = workspace.study;
+    if (this.busy || !(ready || this.#hasComplete)) return;
     await attempt(this.problem, async () => {
-      await post("/run", { workers: this.workers, force: this.fresh });
+      await post("/run", { workers: this.workers, force: this.fresh, incomplete: !ready });
       await this.#poll();
     });
   });
@@ -99,12 +108,13 @@ export class Run {
 
   #draw() {
     const run = workspace.run ?? workspace.study.run;
-    const { ready, counts, results } = workspace.study;
+    const { ready, counts, results, missing } = workspace.study;
     const finished = run.state === "done" && results?.fresh;
+    const state = run.state === "done" && !finished ? CHANGED : (STATES[run.state] ?? run.state);
     update(this.status, [
       h("header", [
-        h("h2", STATES[run.state] ?? run.state),
-        h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
+        h("h2", state),
+        h("span.sr", { role: "status" }, state),
         finished && chip("up to date", "good"),
         run.state === "failed" && chip("failed", "bad"),
       ]),
@@ -125,8 +135,9 @@ export class Run {
             ]),
             !ready &&
               h("div.note", [
-                "The study is incomplete: a run needs every entry. ",
+                "The study is incomplete, and a run leaves out what lacks entries. ",
                 h("a", { href: "#/study" }, "See the Study page."),
+                missingList(missing.slice(0, 10), { named: true }),
               ]),
             h("div.run-options", [
               choiceField("Processes", {
@@ -137,10 +148,10 @@ export class Run {
               check("Re-measure all", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ]),
             h("div.actions", { key: "actions" }, [
-              button("Run", () => this.#start(), {
+              button(ready ? "Run" : "Run what is complete", () => this.#start(), {
                 kind: finished ? "" : "primary",
                 key: "Enter",
-                disabled: !ready,
+                disabled: !ready && !this.#hasComplete,
               }),
               ["done", "cancelled"].includes(run.state) &&
                 workspace.study.results?.there &&
@@ -149,7 +160,7 @@ export class Run {
           ],
       run.failures?.length > 0 &&
         h("div.note.bad.failures", { tabindex: 0, role: "region", "aria-label": "Failures" }, [
-          h("strong", `${run.failures.length} failed`),
+          h("strong", `${run.failures.length} failed${finished ? "" : " in that run"}`),
           list(run.failures.slice(0, 50)),
         ]),
       this.problem,
@@ -226,7 +237,7 @@ function progressOf(run) {
     bar,
     h("p.run-line.number", [
       h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
-      h("span", [`${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))]),
+      h("span", [`${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || run.current)]),
     ]),
   ];
 }
@@ -239,16 +250,6 @@ function phaseOf(run) {
   if (run.phase !== "measuring") return PHASES[run.phase] ?? "";
   if (!run.total) return "reading files and scales";
   return run.done < run.total ? PHASES.measuring : "evaluating";
-}
-
-/** The file of the item being measured. */
-function fileOf(name) {
-  const { observations, sequences } = workspace.study;
-  return (
-    observations.find(({ item }) => item === name)?.file ??
-    sequences.find((sequence) => sequence.name === name)?.file ??
-    name
-  );
 }
 
 function duration(seconds) {

@@ -147,18 +147,9 @@ export class StudyView {
           APPARATUS.map(([key, words, placeholder]) =>
             textField(words, { value: now[key], placeholder, onset: onset(key), wide: true }),
           ),
-          numberField("Velocity of approach", {
-            value: now.approach_mm_per_s,
-            min: 0,
-            onset: onset("approach_mm_per_s"),
-            unit: "mm/s",
-          }),
-          numberField("Dwell before the image", {
-            value: now.dwell_s,
-            min: 0,
-            onset: onset("dwell_s"),
-            unit: "s",
-          }),
+          NUMBERS.map(([key, words, unit]) =>
+            numberField(words, { value: now[key], min: 0, onset: onset(key), unit }),
+          ),
         ]),
         this.problems.apparatus,
       ]),
@@ -209,4 +200,10 @@ const APPARATUS = [
   ["stage", "Stage", "a motorised linear stage"],
   ["poisson_ratio_basis", "Basis of Poisson's ratio", "as usual for soft tissue"],
   ["thickness_basis", "Basis of the thickness", "from ultrasound"],
+];
+
+/** And numbers: key, label, unit. */
+const NUMBERS = [
+  ["approach_mm_per_s", "Velocity of approach", "mm/s"],
+  ["dwell_s", "Dwell before the image", "s"],
 ];
