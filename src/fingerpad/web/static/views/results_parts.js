@@ -48,7 +48,7 @@ function figureCard(figure) {
 }
 
 /** What the report says of all results, in its words. @param {Record<string, string[]>} said */
-export const adviceNotes = ({ check, better, missing }) => [
+export const adviceNotes = ({ check = [], better = [], missing = [] }) => [
   check.length > 0 && h("div.note", [h("strong", "Check the results"), list(check)]),
   [
     ["To measure better", better],

@@ -44,6 +44,9 @@ const BARS = [
 /** Whether a quantity is known of any contact of a group. @param {Answers["PlottedGroup"]} group */
 const isThere = ({ points }, key) => points[key].some(({ value }) => value !== null);
 
+/** What the report says; nothing where it is of an earlier version. */
+const advice = () => get(/** @type {any} */ ("/download/report.json")).catch(() => /** @type {any} */ ({}));
+
 /** The groups with one quantity: all of them take long to send of many contacts. */
 const read = (quantity) => get("/results/plot", { quantity });
 
@@ -63,16 +66,14 @@ export class Plots {
 
   async load() {
     prepareCharts(); // meanwhile
-    const asked = [
-      read(this.quantity),
-      get("/results/figures"),
-      get(/** @type {any} */ ("/download/report.json")),
+    [this.groups, this.figures] = await Promise.all([read(this.quantity), get("/results/figures")]);
+    const said = await advice();
+    const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
+    const curves = said.curves?.length > 0 && [
+      h("h2", "Loading curves"),
+      h("div.plot-grid", [said.curves.map(curveCard)]),
     ];
-    const [groups, figures, said] = await Promise.all(/** @type {any[]} */ (asked));
-    Object.assign(this, { groups, figures });
-    const fingers = [...new Set(groups.map(({ finger }) => finger))];
-    const curves = h("div.plot-grid", [said.curves.map(curveCard)]);
-    if (!groups.length) {
+    if (!this.groups.length) {
       const words = "There are no contacts in these results: a plot needs finger, angle, load and scale. ";
       const none = h("p.lead", [words, h("a", { href: "#/study" }, "See the Study page.")]);
       render(this.root, [adviceNotes(said), none, curves]);
@@ -96,7 +97,7 @@ export class Plots {
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ]),
       this.grid,
-      said.curves.length > 0 && [h("h2", "Loading curves"), curves],
+      curves,
     ]);
     this.watcher = new IntersectionObserver(
       (entries) => {

@@ -13,10 +13,10 @@ const STATES = {
   running: "Running",
   cancelling: "Stopping after the current images",
   done: "Finished",
+  changed: "The last run has finished; the study has changed since",
   cancelled: "Stopped. Finished measurements are kept",
   failed: "The run failed",
 };
-const CHANGED = "The last run has finished; the study has changed since";
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
 
 const FILES = [
@@ -78,7 +78,6 @@ export class Run {
     return ["running", "cancelling"].includes(workspace.run?.state);
   }
 
-  /** Whether something can be measured, though other entries are missing. */
   get #hasComplete() {
     const { observations, sequences, curves } = workspace.study;
     return [...observations, ...sequences, ...curves].some(({ complete }) => complete);
@@ -110,7 +109,7 @@ export class Run {
     const run = workspace.run ?? workspace.study.run;
     const { ready, counts, results, missing } = workspace.study;
     const finished = run.state === "done" && results?.fresh;
-    const state = run.state === "done" && !finished ? CHANGED : (STATES[run.state] ?? run.state);
+    const state = STATES[run.state === "done" && !finished ? "changed" : run.state];
     update(this.status, [
       h("header", [
         h("h2", state),
