@@ -14,6 +14,7 @@ from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write
 from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.manifest.models import ResolutionScale, Study
 from fingerpad.study.manifest.sheet import Sheet
+from fingerpad.study.status import missing
 
 FINGER = """
 [[fingers]]
@@ -217,6 +218,18 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path, encodin
     (row,) = read_study(beside(tmp_path, header, cells, encoding=encoding)).observations
     assert (row.wedge_angle_deg, row.load_N, row.ellipse_mm.semi_major) == (22.5, 0.5, 5.3)
     assert row.notes == "größer, als 1,5 N"
+
+
+def test_the_unknown_columns_of_a_curve_are_named_with_the_key_that_tells_them(tmp_path):
+    study = write_study(tmp_path, finger("f"), curve(file="c.csv"))
+    (tmp_path / "c.csv").write_text("Kanal1,Kanal2 (mm)\n0,0\n1,0.5\n2,0.9\n", encoding="utf-8")
+    (found,) = missing(load_study(study))
+    assert (found.kind, found.key) == ("curve", "0")
+    assert "found Kanal1, Kanal2 (mm)" in found.words
+    line = 'file_columns = { force = "Kanal1:N", displacement = "Kanal2 (mm):mm" }'
+    assert 'file_columns = { force = "HEADER:UNIT", displacement = "Kanal2 (mm):mm" }' in found.words
+    study.write_text(f"{study.read_text(encoding='utf-8')}\n{line}\n", encoding="utf-8")
+    assert missing(load_study(study)) == []
 
 
 def test_names_that_may_be_of_one_finger_are_named(tmp_path):

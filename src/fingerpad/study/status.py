@@ -5,20 +5,23 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+from fingerpad._columns import ColumnsError, columns_in_toml
 from fingerpad._files import digest_of
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES, SEMI_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
+from fingerpad.loading import read_loading_curve
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.imports.identify import USABLE_SUFFIXES
 from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
-from fingerpad.study.manifest.models import Fault, Finger
+from fingerpad.study.manifest.models import Curve, Fault, Finger
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems, item_of
@@ -234,6 +237,7 @@ def lacking(loaded: LoadedStudy) -> list[Missing]:
         found.append(Missing(kind="study", key="", words="no finger yet: add one"))
     for finger in study.fingers:
         found.extend(_lacking_faces(finger))
+    found.extend(_lacking_columns(loaded))
     if not waiting.isdisjoint({"observation", "sequence", "curve"}) or not study.fingers:
         return found
     contacts = [*study.observations, *study.sequences]
@@ -261,6 +265,29 @@ def _lacking(one: Table, fault: Fault) -> Missing:
     elif words == "required, but missing" and place in _FIELD_WORDS:
         said = f"{_FIELD_WORDS[place]} is missing"
     return Missing(kind=kind, key=key, words=f"{of}{said}", place=place)
+
+
+def _lacking_columns(loaded: LoadedStudy) -> Iterator[Missing]:
+    for one in loaded.tables:
+        curve = one.model
+        if one.complete and isinstance(curve, Curve) and curve.file is not None:
+            path = loaded.folder / curve.file
+            columns = tuple((str(name), column) for name, column in curve.file_columns.items())
+            with suppress(OSError):
+                if words := _columns_fault(path, path.stat().st_mtime_ns, columns):
+                    yield Missing(kind="curve", key=one.key, words=words)
+
+
+@lru_cache(maxsize=1000)  # a study is looked at after each edit
+def _columns_fault(path: Path, _changed_ns: int, columns: tuple[tuple[str, str], ...]) -> str:
+    """Return which columns a curve lacks, and the line of the manifest that names them; empty for none."""
+    try:
+        read_loading_curve(path, columns=dict(columns))
+    except ColumnsError as error:
+        return error.with_way_out(partial(columns_in_toml, "file_columns")).removeprefix(f"{path}: ")
+    except (FingerpadError, OSError):  # said by the run
+        return ""
+    return ""
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:

@@ -41,5 +41,11 @@ def test_fits_a_telephone_and_is_dark_where_asked(browser, run_demo) -> None:
     page = opened(browser, address, viewport={"width": 390, "height": 844}, color_scheme="dark")
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 24, 31)"
+    # Of the answers each row is a block, with the names of its columns, and none is out of sight.
+    right = "[...document.querySelectorAll('.results td')].map(one => one.getBoundingClientRect().right)"
+    assert max(page.evaluate(right)) <= 390
+    row = page.locator(".results tbody tr").first
+    assert "Corrected radius, mm" in row.evaluate("""row => [...row.cells].map(
+        one => getComputedStyle(one, '::before').content).join()""")
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true })")
     assert page.evaluate("document.documentElement.scrollWidth") == 390
