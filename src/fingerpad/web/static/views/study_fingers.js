@@ -130,20 +130,20 @@ export class FingerTable {
   async #semiAxes(finger) {
     const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
     const asked = AXES.map(([axis, words]) => quantity(words, now[axis], std[axis], { above: 0 }));
-    const inputs = asked.flatMap(({ value, its }) => [value, its]);
+    const inputs = [asked[0].its, ...asked.map(({ value }) => value)];
     const isEmpty = () => inputs.every(({ value }) => value === "");
     const requireAll = () => {
       for (const input of inputs) input.required = !isEmpty();
     };
     requireAll();
     const words =
-      "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.";
+      "Semi-axes of the pad and their standard uncertainty; an empty ± is the first. Or leave all empty.";
     if (!(await askFor(`Semi-axes of ${finger.name}`, words, asked, requireAll)) || isEmpty()) return;
     const entered = (of) =>
       Object.fromEntries(AXES.map(([axis], place) => [axis, numberIn(of(asked[place]))]));
     this.tables.change("finger", finger.name, {
       semi_axes_mm: entered(({ value }) => value),
-      semi_axes_mm_std: entered(({ its }) => its),
+      semi_axes_mm_std: entered(({ its }) => (its.value ? its : asked[0].its)),
     });
   }
 
