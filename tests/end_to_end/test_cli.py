@@ -488,7 +488,7 @@ def test_two_commands_from_prints_to_area_against_load(run_example: Path, tmp_pa
     assert "300 ppi" not in out
     code, out, _ = run("run", tmp_path)
     assert code == 0
-    assert re.search(r"^left_index, 30°: contact area 116\.\d ± \d\.\d mm² under 2 N; no modulus", out, re.M)
+    assert re.search(r"^left_index, 30°: contact area 117\.\d ± \d\.\d mm² under 2 N; no modulus", out, re.M)
     by_load = pd.read_csv(tmp_path / "results" / "by_load.csv")
     assert list(by_load["load_N"]) == [0.5, 1.0, 2.0]
     # Of elliptical Hertz theory for the pad and the tissue that the example was rendered with.

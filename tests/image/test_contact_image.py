@@ -86,7 +86,7 @@ def test_noise_edge_and_scale_add_up():
     assert not exact.scale_effect.any()
     offset = exact.edge_offset_std
     assert offset == exact.as_record()["edge_offset_mm_std"]
-    # About 0.08 ridge periods for a sharp edge; all round, they widen the area by the outline's length.
+    # About 0.09 ridge periods for a sharp edge; all round, they widen the area by the outline's length.
     assert 0.07 < offset / exact.ridge_period < 0.12
     around = 2 * np.pi * np.sqrt((8**2 + 6**2) / 2)
     assert exact.edge_effect[2] == pytest.approx(offset * around, rel=0.02)

@@ -18,7 +18,7 @@ class EdgeModel:
 
     # How far the edge lies further out than the outline.
     ends: float = 0.084  # periods; between the ends of ridges
-    sharp: float = -0.275  # periods more; for a contact that does not fade, with nothing seen outside
+    sharp: float = -0.272  # periods more; for a contact that does not fade, with nothing seen outside
     by_thinning: float = 0.64  # periods; by how much less ridge the last period has than the one before
     by_outside: float = 1.45  # periods; by the ridges just outside in parts of those inside
     by_blur: float = 0.24  # that part counts up to this, which blur shows at a sharp edge too,
@@ -54,9 +54,9 @@ class EdgeModel:
     stretch: float = 2.75  # periods; neighbours share that error over this length
 
     # Standard deviation that all of the edge shares.
-    shared_std: float = 0.08  # periods; at least
-    beyond_std: float = 3.5  # periods a contrast; by the ridges beyond
-    rim_std: float = 0.33  # periods; where a rim covers all ridges
+    shared_std: float = 0.09  # periods; at least
+    beyond_std: float = 2.8  # periods a contrast; by the ridges beyond
+    rim_std: float = 0.34  # periods; where a rim covers all ridges
     paleness_std: float = 2.5  # periods a contrast; by how much less than usual the last period has
     thinning_std: float = 5.0  # periods; by how much more than usual ridges thin
     usual_thinning: float = 0.3  # ridges hardly thin by more
