@@ -114,8 +114,31 @@ def read_columns(
     `required` and `optional` are quantities of `fingerpad.units.FACTORS`; `columns` leads from a quantity to
     ``"HEADER:UNIT"`` where the file's own headers differ. Arrays are in the library's units.
     """
+    return _numbers(*_located(path, required, optional, columns))
+
+
+def require_columns(
+    path: Path,
+    required: Sequence[str],
+    optional: Sequence[str] = (),
+    *,
+    columns: Mapping[str, str] | None = None,
+) -> None:
+    """Raise what `read_columns` raises of a table's header, without reading its numbers."""
+    _located(path, required, optional, columns, head_only=True)
+
+
+def _located(
+    path: Path,
+    required: Sequence[str],
+    optional: Sequence[str],
+    columns: Mapping[str, str] | None,
+    *,
+    head_only: bool = False,
+) -> tuple[Table, dict[str, _Column]]:
+    """Return a table and the columns of quantities in it. Raise ColumnsError where one is missing."""
     given = dict(columns or {})
-    table = _read_table(path, required, given)
+    table = _read_table(path, required, given, head_only=head_only)
     found = _find_columns(table, [*required, *optional], given)
     missing = [name for name in required if name not in found]
     if missing:
@@ -126,7 +149,7 @@ def read_columns(
             f"{path}{sheet}: no column {lacking}; found {', '.join(table.header)}",
             _as_choices(given) | {name: proposed.get(name, ["HEADER:UNIT"]) for name in missing},
         )
-    return _numbers(table, found)
+    return table, found
 
 
 def unread_columns(

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, set_fields
-from fingerpad._columns import read_columns, unread_columns
+from fingerpad._columns import read_columns, require_columns, unread_columns
 from fingerpad._display import Displayed
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
@@ -177,6 +177,11 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
         )
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
+
+
+def require_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -> None:
+    """Raise what `read_loading_curve` raises of a file's header."""
+    require_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
 
 
 def unread_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:

@@ -15,7 +15,7 @@ from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES, SEMI_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
-from fingerpad.loading import read_loading_curve
+from fingerpad.loading.curve import require_curve_columns
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.imports.identify import USABLE_SUFFIXES
@@ -282,7 +282,7 @@ def _lacking_columns(loaded: LoadedStudy) -> Iterator[Missing]:
 def _columns_fault(path: Path, _changed_ns: int, columns: tuple[tuple[str, str], ...]) -> str:
     """Return which columns a curve lacks, and the line of the manifest that names them; empty for none."""
     try:
-        read_loading_curve(path, columns=dict(columns))
+        require_curve_columns(path, dict(columns))
     except ColumnsError as error:
         return error.with_way_out(partial(columns_in_toml, "file_columns")).removeprefix(f"{path}: ")
     except (FingerpadError, OSError):  # said by the run
