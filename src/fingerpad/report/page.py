@@ -68,10 +68,10 @@ def write_page(
             "check": [ended(words) for words in text.to_check(result, found)],
             "missing": list(_missing(result, found)),
             "better": [f"{capitalized(words)}." for words in text.to_measure_better(result)],
-            "curves": [text.curve_words(curve, result) for curve in result.curves],
         }
         if not home:  # for the local page, in the same words
-            (out / f"{path.stem}.json").write_text(dumps(said), encoding="utf-8")
+            curves = [text.curve_words(curve, result) for curve in result.curves]
+            (out / f"{path.stem}.json").write_text(dumps({**said, "curves": curves}), encoding="utf-8")
         template = templates().get_template("report.html.jinja")
         page = template.stream(
             result=result,

@@ -320,8 +320,8 @@ def curve_words(curve: CurveResult, result: StudyResult) -> dict[str, Any]:
     return {
         "title": f"{of.finger}, {of.wedge_angle_deg:g}°: {of.file or 'R_g as given'}",
         "synthetic": of.synthetic,
-        "facts": {words: said for words, said in facts.items() if not said.startswith("–")},
-        "verdict": f"{counted(len(doubts), 'doubt')}" if doubts else "no doubts" if fit else "",
+        "facts": {words: value for words, value in facts.items() if not value.startswith("–")},
+        "verdict": counted(len(doubts), "doubt") if doubts else "no doubts" if fit else "",
         "doubts": [*filter(None, [curve.reason]), *doubts],
     }
 
