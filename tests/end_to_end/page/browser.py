@@ -187,13 +187,14 @@ class Late:
         if self.held or not self.wanted(route.request):
             route.continue_()
         else:
-            self.answer = route.fetch()
+            # The server may just have closed the idle connection that this would use.
+            self.answer = route.fetch(max_retries=3)
             self.held = route
 
     def wait(self) -> None:
         patience = PATIENCE_MS // 20
         while self.held is None:
-            assert patience, "the page did not ask for what was to be held back"
+            assert patience, f"what was to be held back is not there, at {self.page.url}"
             self.page.wait_for_timeout(20)
             patience -= 1
 
