@@ -99,11 +99,11 @@ def standing(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def run_once(session_folder):
-    """Run the short demo study once for all processes; tests only read its results."""
+def run_once(run_demo, session_folder):
+    """Run the short demo study, from what is stored, once for all processes; tests only read its results."""
 
     def make(folder):
-        study = shutil.copytree(DEMO, folder / "demo")
+        study = shutil.copytree(run_demo, folder / "demo")
         shorten(study)
         run_study(study / "study.toml", study / "results", write_report=write_report)
 
