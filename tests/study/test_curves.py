@@ -47,15 +47,18 @@ def write_curve(path: Path, *, area: bool = True, points: int = 100, **truth: fl
     studies.write_curve(path, simulate_loading_curve(with_area=area, points=points, **noise, **truth))
 
 
-def write_layer_curve(path: Path) -> None:
-    """Write what the fast law makes of the pad on 6 mm of tissue."""
+@pytest.fixture(scope="module")
+def on_layer(tmp_path_factory) -> Path:
+    """Return the folder of what the fast law makes of the pad on 6 mm of tissue; its fit is stored there."""
+    folder = tmp_path_factory.mktemp("layer")
     placement = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=np.radians(30))
     travel, rng = np.linspace(-0.3, 1.6, 120), np.random.default_rng(4)
     tissue = Tissue(youngs_modulus=0.045, thickness=6.0)
     press = fast_contact(placement, tissue, indentation=np.maximum(travel, 1e-6))
     noise = rng.normal(0, [[0.004], [0.8]], (2, 120))
     columns = travel + 0.3, press.load + noise[0], travel, np.where(travel > 0, press.area + noise[1], 0)
-    write_numbers(path, HEADER, np.transpose(columns))
+    write_numbers(folder / "a.csv", HEADER, np.transpose(columns))
+    return folder
 
 
 def write_study(
@@ -105,10 +108,9 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path):
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
 
 
-def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path):
+def test_a_doubtful_curve_is_told(tmp_path):
     write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=8.0)
-    result = study(tmp_path, on_half_space(), on_half_space())
-    assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
+    result = study(tmp_path, on_half_space())
     assert FLAGS["curve"]["implausible_modulus"].words in "\n".join(doubtful_results(result))
     _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
     doubt = "doubtful: a.csv: the modulus lies beyond any finger pad's: the curve tests none; to do: check"
@@ -166,11 +168,10 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path):
     assert placed.radius_ratio_std > 0.03
 
 
-def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path):
-    write_layer_curve(tmp_path / "a.csv")
+def test_a_curve_that_tells_the_layer_says_how_to_state_it(on_layer):
     pressed = contact("c", 2, (7, 6), std=0.1), of_file()
     thick = finger(effective_thickness_mm=6, effective_thickness_mm_std=0.6)
-    bare, stated = (studies.run(tmp_path, of, *pressed, uncertainty=UNCERTAINTY) for of in (finger(), thick))
+    bare, stated = (studies.run(on_layer, of, *pressed, uncertainty=UNCERTAINTY) for of in (finger(), thick))
     layer = bare.curves[0].layer
     value, std = value_with_uncertainty(layer.thickness.value, layer.thickness.std).split(" ± ")
     modulus = layer.youngs_modulus.times(1000)
@@ -186,17 +187,14 @@ def test_a_curve_that_tells_the_layer_says_how_to_state_it(tmp_path):
     assert "semi-axes" not in said + said_of_stated
 
 
-def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path):
-    write_layer_curve(tmp_path / "a.csv")
+def test_what_the_study_states_is_in_the_layer_of_a_curve(on_layer):
     plain, loose = (
-        study(tmp_path, of_file(), **stated).curves[0].layer
+        study(on_layer, of_file(), **stated).curves[0].layer
         for stated in ({}, {"load_relative_std": 0.1, "poisson_ratio_std": 0.03})
     )
     for name, least in (("thickness", 0.0), ("youngs_modulus", 0.095)):
         stds = [getattr(one, name).std / getattr(one, name).value for one in (plain, loose)]
         assert np.sqrt(stds[1] ** 2 - stds[0] ** 2) > least, name
-    (stated,) = study(tmp_path, of_file(thickness_mm=6)).curves
-    assert stated.layer is None
 
 
 def test_only_curves_that_changed_are_fitted_again(tmp_path):
@@ -293,9 +291,9 @@ def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp
     write_curve(tmp_path / "a.csv", area=False)
     for rate in (1.0, 4.0):
         write_curve(tmp_path / f"{rate:g}.csv", rate=rate)
-    given = of_file("bad.csv"), of_file(cycle=3), *map(of_file, ("a.csv", "1.csv", "4.csv"))
+    given = of_file("bad.csv"), of_file(cycle=3), of_file(), of_file("1.csv"), on_half_space("4.csv")
     result = study(tmp_path, *given)
-    bad, missing, alone, *whole = result.curves
+    bad, missing, alone, whole, _ = result.curves
     assert bad.failed
     assert bad.reason.startswith("bad.csv: ")
     assert "cycle" in missing.reason
@@ -304,8 +302,7 @@ def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp
     page = html.unescape(studies.page_of(result, tmp_path / "out"))
     assert "no contact area in the curve" in page
     assert "a.csv: a.csv" not in page
-    for curve in whole:  # each with two moduli, and a word which to believe
-        assert curve.layer.advice in page
+    assert whole.layer.advice in page  # of two moduli a word which to believe
     assert "Young's modulus at no load against velocity" in page
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve4*.svg")}
     assert len(names) == 7
@@ -319,15 +316,25 @@ LOST = {"coin": "none.png", "diameter_mm": 23.25}
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory) -> list[CurveResult]:
-    """Return a curve without a scale, by its name, by its uncertainty and lost; and another by its name."""
+def run_of_curves(tmp_path_factory) -> StudyResult:
+    """Run a curve without a scale, by its name, by its uncertainty and lost; and another by its name."""
     folder = tmp_path_factory.mktemp("fitted")
     for seed in (0, 1):
         write_curve(folder / f"{seed}.csv", seed=seed)
     np.savetxt(folder / "none.png", [[0]])
     ways = {}, {"scale": "camera"}, {"area_relative_std": 0.06}, {"scale": LOST}
     curves = *(on_half_space("0.csv", **keys) for keys in ways), on_half_space("1.csv", scale="camera")
-    return studies.run(folder, finger(), *curves, scales={"camera": CAMERA}).curves
+    return studies.run(folder, finger(), *curves, scales={"camera": CAMERA})
+
+
+@pytest.fixture
+def fitted(run_of_curves) -> list[CurveResult]:
+    return run_of_curves.curves
+
+
+def test_curves_given_twice_and_without_a_layer(run_of_curves):
+    assert "0.csv: press 0 is given 4 times, and counts so often in R_g" in run_of_curves.notes
+    assert all(curve.layer is None for curve in run_of_curves.curves)
 
 
 def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted):
