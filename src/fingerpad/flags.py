@@ -137,6 +137,12 @@ _SCALE: Final = (
 )
 _FRAME: Final = (
     Flag(
+        "repeated_picture",
+        "the picture is that of another contact, too",
+        "keep one of them, give each its own picture, or say by region_of_interest_px which part it shows",
+        "pooling",
+    ),
+    Flag(
         "interpolated",
         "the ellipse is interpolated between two key frames",
         "correct this frame itself where the contact changes faster",

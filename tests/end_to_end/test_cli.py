@@ -588,3 +588,12 @@ def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:
     assert re.search(r"^f, 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)
     assert "f, 30°: no modulus and no corrected radius, as none of 1 contact counts.\n" in out
     assert run("status", study)[1].endswith("failed: empty\n")
+
+
+def test_what_is_complete_is_run_when_asked(tmp_path: Path) -> None:
+    study = write_study(tmp_path, finger(), contact(), contact("no_load", load_N="?"))
+    assert run("run", study)[0] == 2
+    code, out, err = run("run", study, "--incomplete")
+    assert (code, out.startswith("f")) == (0, True)
+    assert "left out, as it is not complete: " in err
+    assert "no_load" in err

@@ -47,16 +47,20 @@ def folder(drawn, tmp_path) -> Path:
     return tmp_path
 
 
-def test_one_picture_under_two_names_or_at_two_loads_is_noted(folder):
+def test_one_picture_under_two_names_or_at_two_loads_counts_once_or_not_at_all(folder):
     shutil.copy(folder / "print.png", folder / "copy.png")
     copied = shown("y", file="copy.png")
-    assert run(folder, finger(), shown(), shown("y", 3)).notes == (
-        "x and y are one picture, print.png, at different loads: does it show another contact?",
+    at_two = run(folder, finger(), shown(), shown("y", 3))
+    assert at_two.notes == (
+        "x and y are one picture, print.png, of different presses, none of which counts: does it show "
+        "another contact?",
     )
-    (note,) = run(folder, finger(), shown(), copied).notes
-    assert note.startswith("x and y are one picture, print.png and copy.png, which counts 2 times")
-    part = shown("y", file="copy.png", region_of_interest_px=[0, 0, 300, 300])
-    assert run(folder, finger(), shown(), part).notes == ()
+    twice = run(folder, finger(), shown(), copied)
+    assert twice.notes[0].startswith("x and y are one picture, print.png and copy.png, which counts once")
+    part = run(folder, finger(), shown(), shown("y", file="copy.png", region_of_interest_px=[0, 0, 300, 300]))
+    assert part.notes == ()
+    excluding = [list(result.rows["excluding_flags"]) for result in (at_two, twice, part)]
+    assert excluding == [["repeated_picture"] * 2, ["", "repeated_picture"], ["", "cut_by_mask"]]
 
 
 def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder):

@@ -102,6 +102,9 @@ def run(
         Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
     force: Annotated[bool, Option("--force", help="Re-measure all.")] = False,
+    incomplete: Annotated[
+        bool, Option("--incomplete", help="Run what is complete, and name what is left out.")
+    ] = False,
     all_columns: Annotated[
         bool, Option("--all-columns", help="Write also the columns that few ask for.")
     ] = False,
@@ -132,6 +135,7 @@ def run(
                 workers=workers,
                 scheduler=scheduler,
                 force=force,
+                incomplete=incomplete,
                 all_columns=all_columns,
                 limits=Limits(seconds=time_limit_s, memory_gb=memory_gb),
                 write_report=write_report,

@@ -31,7 +31,7 @@ from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store, 
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
-from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionScale, Study
+from fingerpad.study.manifest.models import PitchScale, ResolutionScale, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, item_of, measure_study
@@ -187,7 +187,7 @@ def run_study(
                         *_notes(measured, log),
                         *study.doubts(),
                         *_unit_notes(measured.curves),
-                        *_repeated_files(study, origin["inputs_sha256"]),
+                        *_repeated_files(measured),
                         *_resolution_notes(study, folder),
                         *_column_notes(study, folder),
                     ),
@@ -261,25 +261,24 @@ def _unit_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
                 yield f"{curve.manifest.file}: {doubt}"
 
 
-def _repeated_files(study: Study, digests: Mapping[str, str]) -> Iterator[str]:
-    """Yield which files are given twice, so that one press counts twice or has two loads."""
-    presses = Counter((one.file, one.cycle, one.wedge_angle_deg) for one in study.curves if one.file)
+def _repeated_files(measured: Measured) -> Iterator[str]:
+    """Yield which files are given twice, so that one press would count twice or has two loads."""
+    curves = measured.items.context.study.curves
+    presses = Counter((one.file, one.cycle, one.wedge_angle_deg) for one in curves if one.file)
     for (file, cycle, _), count in presses.items():
         if count > 1:
             yield f"{file}: press {cycle} is given {count} times, and counts so often in R_g"
-    pictures: dict[tuple[str, str], list[Observation]] = {}
-    for one in study.observations:
-        if one.file is not None:
-            part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
-            pictures.setdefault((digests.get(one.file, one.file), part), []).append(one)
-    for same in filter(lambda same: len(same) > 1, pictures.values()):
+    for same, one_press in measured.items.repeated_pictures():
         names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
-        if len({one.load_N for one in same}) > 1:
-            yield f"{names} are one picture, {files}, at different loads: does it show another contact?"
+        if one_press:
+            yield (
+                f"{names} are one picture, {files}, which counts once: keep one of them, or say "
+                "by region_of_interest_px which part of it each is"
+            )
         else:
             yield (
-                f"{names} are one picture, {files}, which counts {len(same)} times: keep one of them, or say "
-                "by region_of_interest_px which part of it each is"
+                f"{names} are one picture, {files}, of different presses, none of which counts: does it show "
+                "another contact?"
             )
 
 

@@ -1,6 +1,6 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -86,6 +86,21 @@ class ObservationItem(OneTaskItem[Observation]):
         # The load may have changed since it was measured; of the name one copy is enough.
         record = {**self.record, "observation": self.name, "load_N": self.table.load_N}
         return reviewed(from_record(Measurement, record), self.correction)
+
+
+def repeated_pictures(
+    observations: Iterable[Observation], digest: Callable[[str], str]
+) -> Iterator[tuple[list[Observation], bool]]:
+    """Yield observations that show one part of one picture, and whether they state one press."""
+    pictures: dict[tuple[str, str], list[Observation]] = {}
+    for one in observations:
+        if one.file is not None:
+            part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
+            pictures.setdefault((digest(one.file), part), []).append(one)
+    for same in pictures.values():
+        if len(same) > 1:
+            presses = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg, one.load_N) for one in same}
+            yield same, len(presses) == 1
 
 
 def measure_observation(
@@ -192,6 +207,8 @@ POOLED_IF_REVIEWED: Final = frozenset(
 )
 # The ridge area is an upper bound; area and ellipse of the contact are no less sure.
 RIDGES_MERGE: Final = "ridges_merge"
+# Which press it shows is not known, or it shows one that counts already.
+REPEATED_PICTURE: Final = "repeated_picture"
 # Range notes: with a pad of no finger's size, no radius is one; with a modulus of none, the load is doubtful.
 IMPLAUSIBLE_SIZE: Final = "implausible_size"
 _EXCLUDING_NOTES: Final = tuple(flag.code for flag in FLAGS["row"].values() if flag.excludes == "pooling")

@@ -16,8 +16,13 @@ from fingerpad.study.engine.runner import (
 )
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
-from fingerpad.study.manifest.models import Contact
-from fingerpad.study.measuring.contacts import Measurement, ObservationItem
+from fingerpad.study.manifest.models import Contact, Observation
+from fingerpad.study.measuring.contacts import (
+    REPEATED_PICTURE,
+    Measurement,
+    ObservationItem,
+    repeated_pictures,
+)
 from fingerpad.study.measuring.context import (
     FoundScale,
     Item,
@@ -69,6 +74,13 @@ class StudyItems:
         yield from filter(None, self.curves)
         yield from self.observations
         yield from self.sequences
+
+    def repeated_pictures(self) -> Iterator[tuple[list[Observation], bool]]:
+        """Yield observations that show one part of one picture, and whether they state one press."""
+        context = self.context
+        return repeated_pictures(
+            context.study.observations, lambda file: context.digest(context.folder / file)
+        )
 
     def plans(self, sequences: Iterable[SequenceItem]) -> Iterator[Plan]:
         """Yield the tasks of these sequences, of fingers with their curves, and of observations."""
@@ -203,8 +215,16 @@ class _Contacts:
         return len(self.items.observations) + sum(frames)
 
     def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
-        for one in self.items.observations:
-            yield one.table, one.result()
+        repeated = {
+            one.name
+            for same, one_press in self.items.repeated_pictures()
+            for one in (same[1:] if one_press else same)
+        }
+        for item in self.items.observations:
+            measured = item.result()
+            if item.name in repeated:
+                measured = replace(measured, flags=(*measured.flags, REPEATED_PICTURE))
+            yield item.table, measured
         for sequence in self.sequences:
             for measured in sequence_measurements(sequence, self.items.context):
                 yield sequence.manifest, measured
