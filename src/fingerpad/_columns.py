@@ -40,6 +40,8 @@ _IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE = map(
 _UNIT_SPELLINGS: Final = {"µ": "u", "μ": "u", "²": "2", "^2": "2", "sec": "s"}
 # Of these, a unit tells what was not read; anything can be in volts or millimetres.
 _TOLD_BY_UNIT: Final = frozenset(("area", "time"))
+# Measured in some rows only where a camera is slower than the force; NaN in the others.
+_MAY_BE_EMPTY: Final = "area"
 _NUMBER: Final = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)
 _MOST_PROPOSED: Final = 4
 
@@ -327,12 +329,12 @@ def _numbers(table: Table, columns: Mapping[str, _Column]) -> dict[str, FloatArr
     if not table.separator:
         count = max((k for k, row in enumerate(zip(*cells, strict=True), 1) if any(row)), default=count)
     return {
-        name: column.factor * _parsed(table, column, texts[:count])
+        name: column.factor * _parsed(table, column, texts[:count], gaps=name == _MAY_BE_EMPTY)
         for (name, column), texts in zip(columns.items(), cells, strict=True)
     }
 
 
-def _parsed(table: Table, column: _Column, texts: Sequence[str]) -> FloatArray:
+def _parsed(table: Table, column: _Column, texts: Sequence[str], *, gaps: bool) -> FloatArray:
     try:
         values = np.array(list(map(float, texts)))
     except ValueError:
@@ -342,7 +344,10 @@ def _parsed(table: Table, column: _Column, texts: Sequence[str]) -> FloatArray:
     if np.isfinite(values).all():
         return values
     return np.array(
-        [_number(table, line, text, column) for (line, _), text in zip(table.rows, texts, strict=False)]
+        [
+            math.nan if gaps and text.lower() in {"", "nan"} else _number(table, line, text, column)
+            for (line, _), text in zip(table.rows, texts, strict=False)
+        ]
     )
 
 

@@ -59,5 +59,5 @@ def unit_doubts(
         yield f"loads up to {load.max():.0f} N: is the force in millinewtons (force_mN)?"
     if displacement is not None and (travel := displacement.max() - displacement.min()) > _MOST_MM:
         yield f"a travel of {travel:.0f} mm: is the displacement in micrometres (displacement_um)?"
-    if area is not None and area.max() > _MOST_MM2:
-        yield f"areas up to {area.max():.0f} mm²: are they in another unit?"
+    if area is not None and (area > _MOST_MM2).any():
+        yield f"areas up to {area[area > _MOST_MM2].max():.0f} mm²: are they in another unit?"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fingerpad._columns import ColumnsError
 from fingerpad.exceptions import LoadingError
@@ -52,6 +52,11 @@ def test_headers_as_instruments_write_them(tmp_path: Path, header: str, rows: st
     assert curve.time is not None
     assert_allclose(curve.area, [5.0, 60.0])
     assert_allclose(curve.time, [0.0, 1.0])
+
+
+def test_areas_of_some_rows(tmp_path: Path) -> None:
+    path = write(tmp_path, "force_N;displacement_mm;area_cm2\n1,5;2;0,5\n2;3;\n3;4;NaN\n")
+    assert_array_equal(read_loading_curve(path).area, [50, np.nan, np.nan])
 
 
 def test_of_two_columns_that_may_be_the_force_none_is_chosen(tmp_path: Path) -> None:

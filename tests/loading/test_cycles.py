@@ -86,12 +86,17 @@ def test_reversed_record_is_detected(points: int) -> None:
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])
 def test_nan_and_unequal_lengths_refused(name: str) -> None:
     values = getattr(CURVE, name).copy()
-    values[7] = np.nan
+    values[7] = np.inf if name == "area" else np.nan
     with pytest.raises(LoadingError, match=f"{name} is not finite in row 8"):
         replace(CURVE, **{name: values})
     if name != "load":
         with pytest.raises(LoadingError, match=f"{name} has shape"):
             replace(CURVE, **{name: values[:9]})
+
+
+def test_a_column_of_unknown_areas_is_refused() -> None:
+    with pytest.raises(LoadingError, match="area is unknown in every row: leave it out"):
+        replace(CURVE, area=np.full_like(CURVE.load, np.nan))
 
 
 def test_time_checks() -> None:

@@ -28,6 +28,20 @@ def fit_of_curve() -> LoadingFit:
     return fit_loading_curve(CURVE)
 
 
+def test_a_long_record_with_areas_in_some_rows() -> None:
+    long = simulate_loading_curve(points=24_000, seed=4, **NOISE)
+    area = np.where(np.arange(long.load.size) % 50 == 0, long.area, np.nan)
+    fit = fit_loading_curve(replace(long, area=area), **DEEP)
+    for name, value in {"loading_radius": 15.0, "youngs_modulus": 0.08, "contact_offset": 1.0}.items():
+        found = getattr(fit, name)
+        assert abs(found.value - value) < 3 * found.std, name
+    # As of a line of areas with 1 mm² of noise, whose zero is free.
+    depth = long.indentation[::50][long.indentation[::50] > 1]
+    spread = np.sqrt(depth.size) * np.std(depth)
+    assert fit.loading_radius.std == pytest.approx(1 / (np.pi * spread), rel=0.2)
+    assert len(fit.secant.load) < 4000
+
+
 def test_a_compressible_pad_has_its_modulus() -> None:
     curve = simulate_loading_curve(points=60, poisson_ratio=0.3)
     fit = fit_loading_curve(curve, poisson_ratio=0.3)

@@ -31,6 +31,9 @@ def make_pinned(folder: Path) -> Path:
         np.kron(np.indices((6, 7)).sum(axis=0) % 2, np.ones((40, 40))), 40, constant_values=1
     )
     cv2.imwrite(str(folder / "board.png"), cv2.GaussianBlur(board, (0, 0), 1.2).astype(np.uint8))
+    # A picture that is given twice would count once.
+    for level, name in enumerate(OBSERVATIONS):
+        Image.open(folder / IMAGE).save(folder / f"{name}.png", compress_level=1 + level)
     drawn = {"finger": "pad", "synthetic": True}
     photographs = [
         {"face": face, "file": f"photograph_{face}.jpg", "scale": "camera", "synthetic": True}
@@ -42,7 +45,7 @@ def make_pinned(folder: Path) -> Path:
         finger("pad", photographs=photographs, synthetic=True, **THICK),
         sequence("press", "synthetic_press_30deg.tif", force=FORCE, **press, **drawn),
         curve(file="curve_30deg_2mm_per_s.csv", **drawn),
-        *(picture(name, IMAGE, scale=scale, **drawn) for name, scale in OBSERVATIONS.items()),
+        *(picture(name, f"{name}.png", scale=scale, **drawn) for name, scale in OBSERVATIONS.items()),
         title="Pinned numbers",
         uncertainty={"wedge_angle_deg_std": 0.5, "load_relative_std": 0.01},
         scales=SCALES,

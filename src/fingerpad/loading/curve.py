@@ -44,7 +44,8 @@ class LoadingCurve(Displayed):
     indentation : array_like, shape (n,)
         Displacement of the platen ξ, mm, growing into the pad, from the instrument's own zero.
     area : array_like, shape (n,), or None
-        Contact area A, mm², where it was measured; noise may make it negative before contact.
+        Contact area A, mm²; noise may make it negative before contact. NaN in rows without one, as where
+        the camera is slower than the force.
     time : array_like, shape (n,), or None
         Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
 
@@ -90,7 +91,9 @@ class LoadingCurve(Displayed):
                     f"{name} has shape {np.shape(values)}; load has {np.shape(self.load)}: a curve has one "
                     "value of each quantity per row"
                 )
-            bad = np.flatnonzero(~np.isfinite(values))
+            bad = np.flatnonzero(np.isinf(values) if name == "area" else ~np.isfinite(values))
+            if name == "area" and np.isnan(values).all():
+                raise LoadingError("area is unknown in every row: leave it out")
             if bad.size:
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
         if not len(self.load):
@@ -136,7 +139,7 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
     other names are left alone. Units may stand in a line of their own below the header. Cells are separated
     by commas, semicolons or tabs, the latter two with decimal points or commas. Of a workbook the first sheet
     is read, or the only one with force and displacement; of a MAT file (version 7 or below) the vectors,
-    named as headers are.
+    named as headers are. Cells of the area may be empty.
 
     Parameters
     ----------
@@ -392,10 +395,18 @@ def saturated_rows(curve: LoadingCurve, segment: Segment, values: FloatArray | N
     Other `values` of the curve may be looked at, such as its areas.
     """
     seen = (curve.load if values is None else values)[segment.rows]
-    at_top = seen == seen.max()
-    step = int(np.count_nonzero(seen == seen[~at_top].max(initial=-np.inf)))
+    at_top = seen == np.fmax.reduce(seen)
+    step = int(np.count_nonzero(seen == np.fmax.reduce(seen[~at_top], initial=-np.inf)))
     many = not at_top.all() and int(at_top.sum()) >= _SATURATED_ROWS * max(step, 1)
     return np.asarray(at_top & bool(many and np.ptp(curve.indentation[segment.rows][at_top]) > 0))
+
+
+def rows_with_area(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:
+    """Return the rows in contact while the load grows whose area was measured and is no limit."""
+    if curve.area is None:
+        return np.zeros(0, dtype=np.intp)
+    rows = np.setdiff1d(rows_in_contact(curve, cycle), clipped_areas(curve, cycle))
+    return rows[np.isfinite(curve.area[rows])]
 
 
 def clipped_areas(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:

@@ -29,7 +29,7 @@ from fingerpad.loading.curve import (
     choose_cycle,
     clipped_areas,
     moving_average,
-    rows_in_contact,
+    rows_with_area,
     saturated_rows,
 )
 from fingerpad.loading.law_registry import LAWS, PAD_FORM, Values
@@ -55,6 +55,8 @@ _ZERO_ROWS, _TILT_ROWS = 2, 4
 _DRIFT = 0.03
 _CONTACT_DEVIATIONS = 5.0
 _MIN_LOADING = 5
+# Of a longer record a fit uses means of neighbouring rows: more say no more of any parameter.
+_MOST_ROWS = 4000
 # Parameters in which the residuals are linear.
 _ZEROS: Final = frozenset({"force_zero", "force_tilt", "area_offset"})
 # Of a layer that is stated, mm: beyond, the unit is wrong, or it is a half-space.
@@ -76,6 +78,29 @@ class FitData(Displayed):
     poisson_ratio: float
     attached: BoolArray | None = None  # rows before an adhesive contact tears off; None where the law says it
     tilt_std: float = math.inf  # N/s, of a drift of the force's zero as far as it is known beforehand
+
+    def averaged(self) -> "FitData":
+        """Return means of neighbouring rows where there are too many, and of those areas that they have."""
+        together = -(-self.load.size // _MOST_ROWS)
+        if together == 1:
+            return self
+        starts = np.arange(0, self.load.size, together)
+
+        def sums(values: FloatArray) -> FloatArray:
+            return np.asarray(np.add.reduceat(values, starts))
+
+        counts, areas = sums(np.ones(self.load.size)), np.zeros(self.load.size)
+        areas[self.with_area] = self.area
+        with_area = sums(self.with_area.astype(float))
+        return replace(
+            self,
+            clock=sums(self.clock) / counts,
+            load=sums(self.load) / counts,
+            displacement=sums(self.displacement) / counts,
+            smooth_displacement=sums(self.smooth_displacement) / counts,
+            area=sums(areas)[with_area > 0] / with_area[with_area > 0],
+            with_area=with_area > 0,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -477,8 +502,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     rows = rows[~np.append(repeated, full)]
     smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
     clipped = clipped_areas(curve, chosen)
-    measured = np.setdiff1d(rows_in_contact(curve, chosen), clipped)
-    with_area = np.isin(rows, measured) & (curve.area is not None)
+    with_area = np.isin(rows, rows_with_area(curve, chosen))
     record = FitData(
         clock=curve.clock[rows] - curve.clock[rows[0]],
         load=np.asarray(curve.load, dtype=np.float64)[rows],
@@ -488,7 +512,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
         with_area=with_area,
         poisson_ratio=poisson_ratio,
         tilt_std=_DRIFT * float(np.ptp(curve.load[rows]) / np.ptp(curve.clock[rows])),
-    )
+    ).averaged()
     _require_contact(record)
     loaded = np.count_nonzero(~full)
     if loaded < _MIN_LOADING:

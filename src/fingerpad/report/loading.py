@@ -59,13 +59,13 @@ def loading_plots(
         "curve, with Akaike weights",
     )
     if drawn.area is not None:
-        radius = fit.loading_radius
+        radius, with_area = fit.loading_radius, loading & np.isfinite(drawn.area)
         yield plot(
             "compliance",
             panel(
                 figures.plot_contact_compliance,
-                drawn.indentation[loading],
-                drawn.area[loading],
+                drawn.indentation[with_area],
+                drawn.area[with_area],
                 loading_radius=radius.value if radius.known else None,
                 loading_radius_std=radius.std if radius.known else 0.0,
                 synthetic=synthetic,
@@ -75,7 +75,7 @@ def loading_plots(
     for figure in _secant_moduli(fit, synthetic=synthetic):
         yield plot(*figure)
     if drawn.area is not None and geometric_mean_radius is not None:
-        chosen = loading & (drawn.load > 0.05 * drawn.load.max())
+        chosen = with_area & (drawn.load > 0.05 * drawn.load.max())
         xi, area = drawn.indentation[chosen], drawn.area[chosen]
         yield plot(
             "shape",
