@@ -16,7 +16,10 @@ SRC = Path(fingerpad.__file__).parent
 PLACES = {
     "contact": ("image/contact_image",),
     "scale": ("image/coin.py", "image/grid.py"),
-    "frame": ("image/sequence/measure.py", "image/sequence/result.py", "study/corrections/apply.py"),
+    "frame": (
+        *("image/sequence/measure.py", "image/sequence/result.py"),
+        *("study/corrections/apply.py", "study/measuring/contacts.py"),
+    ),
     "photograph": ("image/photograph",),
     "curve": ("loading",),
     "layer": ("contact", "study/results/layer.py"),
