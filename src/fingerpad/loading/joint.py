@@ -78,6 +78,7 @@ class FitData(Displayed):
     poisson_ratio: float
     attached: BoolArray | None = None  # rows before an adhesive contact tears off; None where the law says it
     tilt_std: float = math.inf  # N/s, of a drift of the force's zero as far as it is known beforehand
+    together: int = 1  # rows of the record of which each is the mean
 
     def averaged(self) -> "FitData":
         """Return means of neighbouring rows where there are too many, and of those areas that they have."""
@@ -100,6 +101,7 @@ class FitData(Displayed):
             smooth_displacement=sums(self.smooth_displacement) / counts,
             area=sums(areas)[with_area > 0] / with_area[with_area > 0],
             with_area=with_area > 0,
+            together=together,
         )
 
 

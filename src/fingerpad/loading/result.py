@@ -398,7 +398,8 @@ class LoadingFit(Recorded):
         ellipse = f"/{self.shape_factor:.3f}" if self.shape_factor < 1 else ""
         law = f"W = 4/3 √R_g ξ^(3/2) (E_0g + β W)/(1 − ν²){ellipse}"
         yield f"{self._title}: {law}, ν = {main.poisson_ratio:g}"
-        yield f"  {self.load.size} rows, loads from {low:.3g} to {high:.3g} N{presses}"
+        means = f", each the mean of {self.rows.together}" if self.rows.together > 1 else ""
+        yield f"  {self.load.size} rows{means}, loads from {low:.3g} to {high:.3g} N{presses}"
         yield f"  {self._answer()}"
         yield ""
         yield from _quantity_lines({words: (found, unit) for _, words, found, unit in self._quantities()})
