@@ -58,7 +58,7 @@ def test_a_stage_that_yields_is_not_indented() -> None:
 
 def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
     fit = fit_of()
-    text = fit.report()
+    text = fit.summary()
     for name in ("R_g", "E\\*", "E_0g", "β", "x₀", "m, W ∝ ξ\\^m", "n, A ∝ W\\^n"):
         assert re.search(f"  [^\n]*{name}[^\n]* [-\\d.]+ ± [\\d.]+[^\n]* to ", text), name
     weights = [float(found) for found in re.findall(r"(0\.\d{3})$", text, re.MULTILINE)]
@@ -74,7 +74,7 @@ def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
 
 def test_the_answer_and_the_exponent_say_what_layer_was_stated() -> None:
     curve = simulate_loading_curve(points=100, seed=1, load_coefficient=0.0, **NOISE)
-    thick, endless = (fit_loading_curve(curve, thickness=t).report() for t in (20.0, np.inf))
+    thick, endless = (fit_loading_curve(curve, thickness=t).summary() for t in (20.0, np.inf))
     assert re.search(r"  E = [^\n]* N, on a layer of 20 mm", thick)
     assert "half-space" not in thick
     assert "W ∝ ξ^m × layer's factor" in thick
@@ -84,7 +84,7 @@ def test_the_answer_and_the_exponent_say_what_layer_was_stated() -> None:
 
 def test_the_report_compares_explanations_with_the_criterion_that_weighs_them() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=100, seed=2, load_coefficient=0.0, **NOISE))
-    hertz, text = fit.models["hertz"].aicc, fit.report()
+    hertz, text = fit.models["hertz"].aicc, fit.summary()
     assert hertz < fit.main.aicc - 1  # one modulus explains this curve
     above = fit.alternatives["area_offset"].aicc - hertz
     assert re.search(rf"areas with an offset[^\n]* \+{above:.1f} ", text)

@@ -84,7 +84,7 @@ def test_thin_tissue_is_held_by_the_uncertainty(areas) -> None:
     fit = fit_loading_curve(curve, loading_radius=given)
     assert fit.load_exponent.lower > 1.6
     assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
-    assert "--semi-axes-mm" in fit.report()
+    assert "--semi-axes-mm" in fit.summary()
 
 
 def test_a_modulus_is_not_stated_where_tissue_is_thinner_than_any() -> None:

@@ -163,7 +163,7 @@ def fit(
         idle = " and ".join(flag for flag, value in wanted.items() if value is not None)
         without = f", without {idle}, for which the way in is needed" if idle else ""
         show.note(f"the way in is not fitted, the way out alone is{without}: {error}")
-        _show(alone.report(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
+        _show(alone.summary(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
         return
     if constraint is not None:
         found = found.divide_by_constraint(constraint)
@@ -179,7 +179,7 @@ def fit(
             load_relative_std=load_relative_std,
             **given,
         )
-        lines += [layer.report(), ""]
+        lines += [layer.summary(), ""]
         shown["layer"] = layer.as_record()
     if plot is not None:
         from fingerpad._files import make_folder
@@ -188,7 +188,7 @@ def fit(
 
         make_folder(plot)
         save_plots(loading_plots(curve.stem, record, found, cycle=cycle), plot)
-    _show("\n".join([*lines, found.report()]), shown, as_json=as_json)
+    _show("\n".join([*lines, found.summary()]), shown, as_json=as_json)
     show.folder("Figures", plot, as_json)
 
 

@@ -198,7 +198,7 @@ class LayerThicknessFit(Recorded):
             flags=flags,
         )
 
-    def report(self) -> str:
+    def summary(self) -> str:
         """Return thickness and modulus in words, and what to do about each flag.
 
         Returns

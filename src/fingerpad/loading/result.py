@@ -139,7 +139,7 @@ class LawFit(Recorded):
         if self.verdict:
             yield self.verdict
 
-    def report(self) -> str:
+    def summary(self) -> str:
         """Return the `lines`, and the flags in words."""
         return "\n".join([*self.lines(), "", *_flag_lines(self.flags, self.notes)])
 
@@ -373,10 +373,6 @@ class LoadingFit(Recorded):
             yield key, words, found.times(KPA_PER_MPA) if name in MODULI else found, unit
 
     def summary(self) -> str:
-        """Return the `report`."""
-        return self.report()
-
-    def report(self) -> str:
         """Return the fit as text: law, quantities, other laws and explanations, and flags in words."""
         return "\n".join(self._lines())
 
