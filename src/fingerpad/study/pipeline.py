@@ -32,6 +32,7 @@ from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
 from fingerpad.study.manifest.models import PitchScale, ResolutionScale, Study
+from fingerpad.study.measuring.contacts import repeated_pictures
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, item_of, measure_study
@@ -268,7 +269,7 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
     for (file, cycle, _), count in presses.items():
         if count > 1:
             yield f"{file}: press {cycle} is given {count} times, and counts so often in R_g"
-    for same, one_press in measured.items.repeated_pictures():
+    for same, one_press in repeated_pictures(measured.items.context):
         names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
         if one_press:
             yield (

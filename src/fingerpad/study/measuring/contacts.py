@@ -1,6 +1,6 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest.models import Contact, Direction, Observation
-from fingerpad.study.measuring.context import FoundScale, OneTaskItem, require_scale
+from fingerpad.study.measuring.context import FoundScale, OneTaskItem, RunContext, require_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,15 +88,13 @@ class ObservationItem(OneTaskItem[Observation]):
         return reviewed(from_record(Measurement, record), self.correction)
 
 
-def repeated_pictures(
-    observations: Iterable[Observation], digest: Callable[[str], str]
-) -> Iterator[tuple[list[Observation], bool]]:
+def repeated_pictures(context: RunContext) -> Iterator[tuple[list[Observation], bool]]:
     """Yield observations that show one part of one picture, and whether they state one press."""
     pictures: dict[tuple[str, str], list[Observation]] = {}
-    for one in observations:
+    for one in context.study.observations:
         if one.file is not None:
             part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
-            pictures.setdefault((digest(one.file), part), []).append(one)
+            pictures.setdefault((context.digest(context.folder / one.file), part), []).append(one)
     for same in pictures.values():
         if len(same) > 1:
             presses = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg, one.load_N) for one in same}
@@ -187,13 +185,9 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
         relative_scale_std=found.scale.relative_std,
         mm_per_px=found.scale.mm_per_px,
         mm_per_px_std=found.scale.mm_per_px_std,
-        flags=(*doubts_of(contact_image), *found.flags),
+        # Manual corrections have a column.
+        flags=(*(flag for flag in contact_image.flags if flag != "edited_manually"), *found.flags),
     )
-
-
-def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
-    """Return the flags of a contact image, without that of manual corrections, which has a column."""
-    return tuple(flag for flag in contact_image.flags if flag != "edited_manually")
 
 
 # The picture does not show all of a contact at a known scale, or its load is not known: nothing that a

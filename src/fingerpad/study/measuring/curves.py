@@ -66,11 +66,6 @@ class CurveResult:
         return self.fit is None and math.isnan(self.loading_radius)
 
     @property
-    def radius_is_plausible(self) -> bool:
-        """Whether R_g can be a finger pad's, as far as a fit tells."""
-        return self.fit is None or "implausible_radius" not in self.fit.flags
-
-    @property
     def is_plausible(self) -> bool:
         """Whether R_g and modulus can be a finger pad's: if not, one of its units is another."""
         return self.fit is None or _IMPLAUSIBLE.isdisjoint(self.fit.flags)
@@ -356,7 +351,7 @@ def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, boo
         for one in curves
         if one.manifest.finger_and_wedge == pressed
         and math.isfinite(one.loading_radius)
-        and one.radius_is_plausible
+        and not (one.fit and "implausible_radius" in one.fit.flags)
     ]
     if not fitting:
         return None

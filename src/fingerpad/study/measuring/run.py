@@ -16,7 +16,7 @@ from fingerpad.study.engine.runner import (
 )
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
-from fingerpad.study.manifest.models import Contact, Observation
+from fingerpad.study.manifest.models import Contact
 from fingerpad.study.measuring.contacts import (
     REPEATED_PICTURE,
     Measurement,
@@ -74,13 +74,6 @@ class StudyItems:
         yield from filter(None, self.curves)
         yield from self.observations
         yield from self.sequences
-
-    def repeated_pictures(self) -> Iterator[tuple[list[Observation], bool]]:
-        """Yield observations that show one part of one picture, and whether they state one press."""
-        context = self.context
-        return repeated_pictures(
-            context.study.observations, lambda file: context.digest(context.folder / file)
-        )
 
     def plans(self, sequences: Iterable[SequenceItem]) -> Iterator[Plan]:
         """Yield the tasks of these sequences, of fingers with their curves, and of observations."""
@@ -217,7 +210,7 @@ class _Contacts:
     def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
         repeated = {
             one.name
-            for same, one_press in self.items.repeated_pictures()
+            for same, one_press in repeated_pictures(self.items.context)
             for one in (same[1:] if one_press else same)
         }
         for item in self.items.observations:

@@ -173,31 +173,27 @@ class CurveOnLayer:
 
 def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayer | None:
     """Return a loading curve on its finger's layer; None without thickness, semi-axes or a fit."""
-    offset = curve.fit.contact_offset if curve.fit else None
-    if (
-        curve.fit is None
-        or offset is None
-        or not math.isfinite(offset.std)
-        or finger.manifest.effective_thickness_mm is None
-        or not np.isfinite(finger.semi_axes).all()
-    ):
+    fit, thickness = curve.fit, finger.manifest.effective_thickness_mm
+    if fit is None or not math.isfinite(fit.contact_offset.std):
         return None
-    load = curve.fit.modulus_load
-    inputs = _inputs(study, finger, curve.manifest.wedge_angle_deg, curve.fit, offset.std)
+    if thickness is None or not finger.has_semi_axes:
+        return None
+    gap = plate_gap(pad_placement(finger.semi_axes, curve.manifest.wedge_angle_deg))
+    inputs = _inputs(study, finger, curve.manifest.wedge_angle_deg, gap, fit)
     found = uncertainty.propagate(indentation_model, inputs)
     indentation, shift = inputs.mean[0, inputs.places(["indentation", "contact_shift"])].tolist()
     _, contact = find_modulus(
-        _gap(finger, curve.manifest.wedge_angle_deg),
-        thickness=finger.manifest.effective_thickness_mm,
+        gap,
+        thickness=thickness,
         poisson_ratio=study.poisson_ratio,
-        load=load,
+        load=fit.modulus_load,
         indentation=indentation + shift,
     )
     known = bool(np.isfinite(found.std).all())
     return CurveOnLayer(
-        load=load,
+        load=fit.modulus_load,
         indentation=indentation,
-        indentation_std=offset.std,
+        indentation_std=fit.contact_offset.std,
         contact_shift=shift,
         flag=str(contact.flags) or ("" if known else UNCERTAINTY_OUT_OF_RANGE),
         quantities={name: quantity_of(found, name) for name in found.names},
@@ -205,13 +201,12 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
 
 
 def _inputs(
-    study: Study, finger: FingerResult, wedge_angle_deg: float, fit: LoadingFit, offset_std: float
+    study: Study, finger: FingerResult, wedge_angle_deg: float, gap: Gap, fit: LoadingFit
 ) -> uncertainty.Inputs:
     """Return the inputs of `indentation_model` at the highest load, as one contact."""
     given, secant, load = study.uncertainty, fit.secant, fit.modulus_load
     thickness = finger.manifest.effective_thickness_mm or math.nan
     thickness_std = finger.manifest.effective_thickness_mm_std or 0.0
-    gap = _gap(finger, wedge_angle_deg)
     shift, *ends = (
         _contact_shift(gap, secant, at, study.poisson_ratio)
         for at in (thickness, thickness - thickness_std, thickness + thickness_std)
@@ -225,17 +220,13 @@ def _inputs(
         roll_angle=(0.0, math.radians(given.roll_angle_deg_std)),
         poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),
         load=(load, given.load_std * load),
-        indentation=(float(secant.indentation.max()), offset_std),
+        indentation=(float(secant.indentation.max()), fit.contact_offset.std),
         contact_shift=(shift if math.isfinite(shift) else 0.0, 0.0),
         thickness=(thickness, 0.0),
     )
     inputs = inputs.with_covariance(SEMI_AXES, finger.covariance)
     both = np.outer(*2 * ([thickness_std, shift_std],))
     return replace(inputs.with_covariance(("thickness", "contact_shift"), both), groups=_SOURCES)
-
-
-def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:
-    return plate_gap(pad_placement(finger.semi_axes, wedge_angle_deg))
 
 
 def _contact_shift(gap: Gap, secant: Secant, thickness: float, poisson_ratio: float) -> float:

@@ -80,7 +80,7 @@ def _template_values(result: StudyResult) -> dict[str, Any]:
     counts = {"observation": len(study.observations), "sequence": len(study.sequences)}
     scales = [_scale(result, name) for name in result.scales]
     more = [f"{len(scales) - _MOST_LISTED} more"] if len(scales) > _MOST_LISTED else []
-    reviewed = result.corrected
+    reviewed, edge_stds = result.corrected, rows["edge_offset_mm_std"].to_numpy()
     single = (rows["status"] == "measured") & rows["frame"].isna()
     thick = [one for one in study.fingers if one.effective_thickness_mm is not None]
     stated = [(one.name, one.effective_thickness_mm, one.effective_thickness_mm_std) for one in thick]
@@ -103,7 +103,7 @@ def _template_values(result: StudyResult) -> dict[str, Any]:
         "velocity": _velocity(result),
         "has_images": _has_images(result),
         "scales": [*scales[:_MOST_LISTED], *more],
-        "edge": _edge(rows["edge_offset_mm_std"].to_numpy()),
+        "edge": _range(edge_stds[edge_stds > 0], two_digits),
         "verdicts": [f"{count} {verdict}" for verdict, count in Counter(reviewed["reviewed"]).items()],
         "people": sorted(set(reviewed["reviewed_by"]) - {None}),
         "left_out": int((single & ~rows["pooled"]).sum()),
@@ -139,11 +139,6 @@ def _velocity(result: StudyResult) -> str:
 
 def _has_images(result: StudyResult) -> bool:
     return bool(result.study.sequences) or any(one.file for one in result.study.observations)
-
-
-def _edge(stds: FloatArray) -> str:
-    known = stds[stds > 0]
-    return " to ".join(dict.fromkeys(map(two_digits, (known.min(), known.max())))) if known.size else ""
 
 
 def _missing(result: StudyResult) -> Iterator[str]:
@@ -188,8 +183,8 @@ def _listed(values: Iterable[float]) -> str:
     return joined([f"{value:g}" for value in found])
 
 
-def _range(values: FloatArray) -> str:
+def _range(values: FloatArray, written: Callable[[float], str] = "{:.2g}".format) -> str:
     """Return the least and the largest value that are known, empty where none is."""
     if not np.isfinite(values).any():
         return ""
-    return " to ".join(dict.fromkeys(f"{end:.2g}" for end in (np.nanmin(values), np.nanmax(values))))
+    return " to ".join(dict.fromkeys(map(written, (np.nanmin(values), np.nanmax(values)))))
