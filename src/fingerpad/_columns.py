@@ -90,10 +90,12 @@ def columns_named_by(words: Callable[[dict[str, str]], str]) -> Iterator[None]:
 
 def columns_in_toml(key: str, columns: Mapping[str, str]) -> str:
     """Return the line of a manifest that maps columns."""
-    items = ", ".join(
-        f"{name} = {json.dumps(column, ensure_ascii=False)}" for name, column in columns.items()
-    )
-    return f"{key} = {{ {items} }}"
+    return f"{key} = {{ {named_columns(columns)} }}"
+
+
+def named_columns(columns: Mapping[str, str]) -> str:
+    """Return quantities and their columns as a manifest names them."""
+    return ", ".join(f"{name} = {json.dumps(column, ensure_ascii=False)}" for name, column in columns.items())
 
 
 class _Column(NamedTuple):

@@ -10,6 +10,7 @@ from tests.studies import Table, curve, finger, picture, sequence, study_of, wri
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_example, write_template
 from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.manifest.models import ResolutionScale, Study
@@ -228,8 +229,17 @@ def test_the_unknown_columns_of_a_curve_are_named_with_the_key_that_tells_them(t
     assert "found Kanal1, Kanal2 (mm)" in found.words
     line = 'file_columns = { force = "Kanal1:N", displacement = "Kanal2 (mm):mm" }'
     assert 'file_columns = { force = "HEADER:UNIT", displacement = "Kanal2 (mm):mm" }' in found.words
-    study.write_text(f"{study.read_text(encoding='utf-8')}\n{line}\n", encoding="utf-8")
-    assert missing(load_study(study)) == []
+    assert found.proposed == 'force = "HEADER:UNIT", displacement = "Kanal2 (mm):mm"'
+
+    def name(columns):
+        edit = Edit(kind="curve", key="0", set={"file_columns": columns})
+        return change_study(tmp_path, [edit], expected=load_study(study).digest)
+
+    with pytest.raises(
+        ManifestError, match='file_columns: write force = "HEADER:UNIT", .*found force: Kanal1'
+    ):
+        name("force: Kanal1")
+    assert missing(name(line[17:-2])) == []
 
 
 def test_names_that_may_be_of_one_finger_are_named(tmp_path):

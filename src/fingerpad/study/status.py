@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
-from fingerpad._columns import ColumnsError, columns_in_toml
+from fingerpad._columns import ColumnsError, columns_in_toml, named_columns
 from fingerpad._files import digest_of
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
@@ -217,6 +217,7 @@ class Missing:
     key: str
     words: str  # with the way out
     place: str = ""  # the key to set; empty where it takes more than one value
+    proposed: str = ""  # what it may be set to, to be checked
 
 
 def missing(loaded: LoadedStudy) -> list[Missing]:
@@ -274,20 +275,24 @@ def _lacking_columns(loaded: LoadedStudy) -> Iterator[Missing]:
             path = loaded.folder / curve.file
             columns = tuple((str(name), column) for name, column in curve.file_columns.items())
             with suppress(OSError):
-                if words := _columns_fault(path, path.stat().st_mtime_ns, columns):
-                    yield Missing(kind="curve", key=one.key, words=words)
+                words, proposed = _columns_fault(path, path.stat().st_mtime_ns, columns)
+                if words:
+                    place = "file_columns"
+                    yield Missing(kind="curve", key=one.key, words=words, place=place, proposed=proposed)
 
 
 @lru_cache(maxsize=1000)  # a study is looked at after each edit
-def _columns_fault(path: Path, _changed_ns: int, columns: tuple[tuple[str, str], ...]) -> str:
-    """Return which columns a curve lacks, and the line of the manifest that names them; empty for none."""
+def _columns_fault(path: Path, _changed_ns: int, columns: tuple[tuple[str, str], ...]) -> tuple[str, str]:
+    """Return which columns a curve lacks, with the way out, and what names them; empty for none."""
     try:
         require_curve_columns(path, dict(columns))
     except ColumnsError as error:
-        return error.with_way_out(partial(columns_in_toml, "file_columns")).removeprefix(f"{path}: ")
+        words = error.with_way_out(partial(columns_in_toml, "file_columns")).removeprefix(f"{path}: ")
+        named = dict(columns) | {name: choices[0] for name, choices in error.proposed.items()}
+        return words, named_columns(named)
     except (FingerpadError, OSError):  # said by the run
-        return ""
-    return ""
+        pass
+    return "", ""
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:

@@ -3,7 +3,7 @@
 import { h, small } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { rules, workspace } from "../core/workspace.js";
-import { chip, choose, number } from "./forms.js";
+import { chip, choose, number, text } from "./forms.js";
 import { scaleChoice } from "./scale_ways.js";
 
 /** Semi-axes of a pad, and what they are called. */
@@ -40,7 +40,7 @@ export const missingOf = (kind, key) =>
  *
  * @param {Answers["Missing"]} entry
  */
-function fieldOf({ kind, key, place, words }) {
+function fieldOf({ kind, key, place, words, proposed }) {
   const { fingers, files } = workspace.study;
   const label = `${words} (${key})`;
   const set = (value) =>
@@ -53,13 +53,13 @@ function fieldOf({ kind, key, place, words }) {
     choose({ value: "", options: [["", "– select –"], ...options], label, onset: set });
   if (place === "face") return list(rules().faces);
   if (place === "finger") return list(fingers.map(({ name }) => name));
-  if (place === "force")
-    return list(files.filter(({ kind: type }) => type === "table").map(({ file }) => file));
+  if (place === "force") return list(files.flatMap(({ kind: type, file }) => (type === "table" ? file : [])));
   if (place === "scale")
     return [
       workspace.study.scales.length > 0 && scaleChoice({ value: null, label, onset: set }),
       h("a", { href: "#/scale/+" }, workspace.study.scales.length ? "New scale" : "Set the scale"),
     ];
+  if (place === "file_columns") return text({ value: proposed, label, onset: set });
   if (place in NUMBERS) {
     const { unit, max } = NUMBERS[place];
     return h("div.control", [number({ min: 0, max, label, onset: set }), h("span.unit", unit)]);
