@@ -170,6 +170,8 @@ def fit_loading_curve(
     check_std("load_relative_std", load_relative_std)
     check_std("poisson_ratio_std", poisson_ratio_std)
     chosen = None if law is None else find_law(law)
+    if chosen is not None and chosen.pull_off is not None and thickness is not None:
+        raise LoadingError(f"{chosen.name} is a law of a half-space: leave the thickness out, or the law")
     shape_factor = 1.0 if placement is None else _shape_factor(placement)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
         known_parts = known_quantities(
@@ -201,10 +203,6 @@ def fit_loading_curve(
         )
         by_law = None
         if chosen is not None and chosen.pull_off is not None:
-            if thickness is not None:
-                raise LoadingError(
-                    f"{chosen.name} is a law of a half-space: leave the thickness out, or the law"
-                )
             by_law = fit_adhesion(
                 curve,
                 law=chosen,
