@@ -213,6 +213,11 @@ _PHOTOGRAPH: Final = (
         "check that the finger is relaxed and seen square; the uncertainty holds the departure",
     ),
     Flag(
+        "dorsal_deeper",
+        "seen end on, the finger reaches farther on the dorsal side than on the palmar one",
+        "check that the palmar side points down, or as palmar says; photograph the tip along the finger",
+    ),
+    Flag(
         "tilted",
         "the finger is tilted by more than 10 degrees",
         "photograph the finger upright in the picture, square to the face",

@@ -133,3 +133,9 @@ def test_disagreement_widens_result():
     assert 0.03 < found.between_relative_std < 0.08
     assert found.disagreements[1]["radial_ulnar"] - found.disagreements[0]["radial_ulnar"] > 0.09
     assert (found.stds > 3 * combine_faces(map(face, THREE)).stds).all()
+
+
+def test_the_one_semi_axis_that_faces_disagree_about_is_no_surer_than_its_values():
+    found = combine_faces([face("palmar", factors=(1.0, 0.94)), face("distal"), face("radial")])
+    assert found.disagree
+    assert found.stds[1] > 0.49 * 0.06 * found.distal

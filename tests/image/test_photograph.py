@@ -3,6 +3,7 @@
 import math
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.flags import FLAGS
 from fingerpad.image import FACE_AXES, Scale, measure_photograph
 from fingerpad.image.photograph.faces import face_axes
+from fingerpad.image.photograph.silhouette import opponent_light
 from fingerpad.simulate import render_coin, render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}
@@ -48,6 +50,20 @@ def test_a_coin_beside_the_finger_is_not_the_finger():
     both = np.concatenate([truth.pixels, beside], axis=1)
     found = measure_photograph(both, "radial", Scale(truth.mm_per_px), tip=truth.tip, palmar=truth.palmar)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
+
+
+def test_a_distal_face_upside_down_is_flagged():
+    assert "dorsal_deeper" not in found_of("distal").flags
+    turned = measure_photograph(truth_of("distal").pixels[::-1, ::-1], "distal", SCALE)
+    assert "dorsal_deeper" in turned.flags
+
+
+def test_coarse_colour_of_a_file_does_not_move_the_luma_edge():
+    pixels = truth_of("radial").pixels
+    coded = cv2.cvtColor(pixels, cv2.COLOR_RGB2YCrCb)
+    coded[..., 1:] = cv2.blur(coded[..., 1:], (8, 8))
+    coarse = cv2.cvtColor(coded, cv2.COLOR_YCrCb2RGB)
+    np.testing.assert_allclose(opponent_light(coarse)[..., 0], opponent_light(pixels)[..., 0], atol=0.007)
 
 
 @pytest.mark.parametrize("face", SEMI_AXES)

@@ -45,7 +45,8 @@ _END = 8
 _SHORT_ARC_DEG = 90.0
 # Step across the edge over the noise beside it.
 _LOW_CONTRAST = 30.0
-
+# Depth of a finger seen end on, dorsal over palmar: 0.5 to 0.8 with a nail, 1 at most.
+_DORSAL_DEEPER = 1.1
 
 _POINT = np.dtype(
     [
@@ -260,6 +261,8 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse
     used, rejected = arc.points[arc.points["used"]], arc.points["rejected"]
     ratios = used["step_ratio"][np.isfinite(used["step_ratio"])]
+    palmar_px = (arc.in_picture(arc.xy) - found.centre) @ found.directions[1]
+    deepest = _DORSAL_DEEPER * found.semi_axes[1] / found.scale.mm_per_px
     margin = math.inf
     if arc.border is not None:
         *last, near = arc.border
@@ -273,6 +276,7 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
         "touches_border": margin < 0,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
         "not_an_ellipse": no_ellipse or is_significant(found.exponent, found.exponent_std),
+        "dorsal_deeper": arc.face == "distal" and not arc.ends_known and palmar_px.min() < -deepest,
         "tilted": abs(found.tilt) > math.radians(10),
         "fitted_manually": bool(arc.points["marked"].any()) or len(arc.erased) > 0,
     }

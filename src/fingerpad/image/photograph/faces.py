@@ -239,7 +239,8 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     uncertainty r. Faces that disagree by more than that allows (p < 0.01), no finger being an ellipsoid, are
     taken to differ by a relative standard deviation τ of their own: τ² is added to each variance so that
     :math:`\chi^2` is its degrees of freedom (Paule and Mandel). No face then counts for much more than the
-    others, however small its stated uncertainty.
+    others, however small its stated uncertainty. No semi-axis is then surer than the standard error of the
+    mean of its own values.
 
     No semi-axis lies further outside the range of its values in the faces than c of their stated standard
     uncertainties, where c² is χ², or its degrees of freedom where τ is not zero.
@@ -301,6 +302,10 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
         most = 2 * float(off @ off) / freedom
         between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)
         shift, joint, _ = solved(between_variance)
+        # One semi-axis may be all that they disagree about: it is no surer than the mean of its own values.
+        count = design.sum(axis=0)
+        own = design.T @ off**2 / np.maximum(count * (count - 1), 1)
+        joint = joint + np.diag(np.maximum(own - np.diagonal(joint), 0))
     between_std = math.sqrt(between_variance)
     if between_std > _MAX_BETWEEN_STD:
         raise FitError(_contradiction(faces, design, off))

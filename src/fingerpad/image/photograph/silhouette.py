@@ -100,18 +100,18 @@ class Silhouette(NamedTuple):
 
 
 def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
-    """Return luma as light, then red and blue beyond it; luma alone for a grey picture.
+    """Return luma as light, then the levels of red and blue beyond it; luma alone for a grey picture.
 
-    Cameras' files keep luma sharp and colour at half the resolution: apart, each is trusted as it deserves.
+    Files keep luma sharp and colour at half the resolution, both of levels: apart, each is trusted as
+    it deserves, and in levels the coarse colour neither blurs luma nor moves an edge.
     """
     if pixels.ndim == 2:
         return linear_light(pixels)[..., None]
-    light = linear_light(pixels[..., :3])
-    luma = light @ LUMA
-    np.subtract(light[..., 0], luma, out=light[..., 1])
-    light[..., 2] -= luma
-    light[..., 0] = luma
-    return light
+    whole = pixels.dtype.kind in "ui"
+    top = np.iinfo(pixels.dtype).max if whole else max(1.0, float(pixels.max()))
+    levels = np.asarray(np.maximum(pixels[..., :3], 0) / top, dtype=np.float32)
+    luma = np.asarray(levels @ LUMA, dtype=np.float32)
+    return np.stack([linear_light(luma), levels[..., 0] - luma, levels[..., 2] - luma], axis=-1)
 
 
 def find_silhouette(
