@@ -208,19 +208,13 @@ def _dump(content: Mapping[str, Any]) -> bytes:
 
 def kind_of(item: str, study: Study) -> ItemKind:
     """Return what an item is; `StoreError` where the manifest names no such item."""
-    kind = named_kind(item, study)
-    if kind is None:
+    if _table_of(item, study) is None:
         raise StoreError(
             f"{item[:80]!r} is nothing that can be corrected: name an observation, a frame as SEQUENCE#12, "
             "the phases of a sequence as SEQUENCE#phases, or a photograph as FINGER/IMAGE, as the manifest "
             "has them"
         )
-    return kind
-
-
-def named_kind(item: str, study: Study) -> ItemKind | None:
-    """Return what an item is, None where the manifest names no such item."""
-    return None if _table_of(item, study) is None else parts_of_item(item)[0]
+    return parts_of_item(item)[0]
 
 
 def _table_of(item: str, study: Study) -> Observation | ContactSequence | Photograph | None:
@@ -421,7 +415,7 @@ class CorrectionLog:
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""
         self.refresh()
-        return [item for item in self._histories if named_kind(item, study) is None]
+        return [item for item in self._histories if _table_of(item, study) is None]
 
     def append(
         self,

@@ -114,9 +114,10 @@ def manual_observations(
         values = {**known, **stated}
         if person := values.pop("person", None):
             values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
+        plain_label = plain_name(re.sub(_SUFFIX, "", ellipse.label, flags=re.IGNORECASE))
         content = {
             **values,
-            "name": free_name(_plain_label(ellipse.label), names),
+            "name": free_name(plain_label[:_LONGEST_NAME] or "contact", names),  # with room for a number
             "semi_major_mm": major,
             "semi_minor_mm": minor,
             "ellipse_mm_std": math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
@@ -151,11 +152,6 @@ def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
         return None
     from_finger = (ellipse.orientation_deg - finger_axis_deg + 90) % 180 - 90
     return "along" if abs(from_finger) <= 45 else "across"
-
-
-def _plain_label(label: str) -> str:
-    """Return a label as a name that a manifest takes, with room for a number."""
-    return plain_name(re.sub(_SUFFIX, "", label, flags=re.IGNORECASE))[:_LONGEST_NAME] or "contact"
 
 
 def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:

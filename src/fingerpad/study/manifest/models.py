@@ -6,7 +6,7 @@ What is wrong with the values of a table is said in words.
 import difflib
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from typing import Annotated, Any, Final, Literal, NamedTuple, Self, TypeAlias, TypeVar, get_args
 
@@ -828,13 +828,10 @@ def key_path(loc: Loc) -> str:
 @cache
 def _models() -> dict[str, type[ManifestModel]]:
     """Return the models of all tables by their names."""
-
-    def inner(models: Iterable[type[ManifestModel]]) -> Iterator[type[ManifestModel]]:
-        for model in models:
-            yield model
-            yield from inner(model.__subclasses__())
-
-    return {model.__name__: model for model in inner((Study, *ManifestModel.__subclasses__()))}
+    found: list[type[ManifestModel]] = [ManifestModel]
+    for model in found:
+        found += model.__subclasses__()
+    return {model.__name__: model for model in found}
 
 
 @cache

@@ -222,6 +222,7 @@ def curve_result(
     radius, std, loads = curve.loading_radius_mm, curve.loading_radius_mm_std, curve.fit_load_range_N
     assert curve.file is not None  # what was found elsewhere is not fitted
     nothing, data = CurveResult(manifest=curve), None
+    placement = None if pad is None else Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
     known: dict[str, Any] = {}
     try:
         known = _instrument(curve, scale)
@@ -232,9 +233,7 @@ def curve_result(
         fit = loading.fit_loading_curve(
             data,
             poisson_ratio=poisson_ratio,
-            placement=None
-            if pad is None
-            else Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg)),
+            placement=placement,
             loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
             cycle=curve.cycle,
             contact_point=curve.contact_point,
@@ -258,7 +257,7 @@ def curve_result(
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
-        shape=_shape(pad, curve, fit, poisson_ratio),
+        shape=_shape(placement, fit, poisson_ratio),
         reason=f"{curve.file}: {found.reason}" if found.reason else None,
     )
 
@@ -302,14 +301,11 @@ def _velocity(curve: loading.LoadingCurve, fit: loading.LoadingFit, cycle: int) 
     return float(np.polyfit(curve.time[rows], curve.indentation[rows], 1)[0])
 
 
-def _shape(
-    pad: Ellipsoid | None, curve: Curve, fit: loading.LoadingFit, poisson_ratio: float
-) -> Shape | None:
+def _shape(placement: Placement | None, fit: loading.LoadingFit, poisson_ratio: float) -> Shape | None:
     """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or a contact."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
-    if pad is None or not (initial.known and growth.known):
+    if placement is None or not (initial.known and growth.known):
         return None
-    placement = Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
     radius = float(placement.curvature.geometric_mean_radius)
     loads = np.linspace(0, fit.modulus_load, _SHAPE_LOADS + 1)[1:]
     moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)

@@ -17,13 +17,7 @@ from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad._words import counted
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest.models import Contact, Observation, Study
-from fingerpad.study.measuring.contacts import (
-    IMPLAUSIBLE_SIZE,
-    RIDGES_MERGE,
-    Measurement,
-    excluding_flags,
-    is_pooled,
-)
+from fingerpad.study.measuring import contacts
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
@@ -79,12 +73,12 @@ def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
 
 
 def contact_repeatability(
-    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
+    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, contacts.Measurement]]
 ) -> dict[bool, ContactRepeatability]:
     """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
     known = {False: _Repeats(), True: _Repeats()}
     notes = {
-        name: [IMPLAUSIBLE_SIZE] if implausible_size(finger.semi_axes).any() else []
+        name: [contacts.IMPLAUSIBLE_SIZE] if implausible_size(finger.semi_axes).any() else []
         for name, finger in fingers.items()
     }
     placed = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg) for one in study.observations}
@@ -92,12 +86,12 @@ def contact_repeatability(
     has_repeats = not study.observations or len(placed) < len(study.observations)
     repeated = takewhile(lambda one: has_repeats and isinstance(one[0], Observation), seen)
     while batch := list(islice(repeated, _AT_ONCE)):
-        pooled: dict[bool, list[tuple[Observation, Measurement]]] = {False: [], True: []}
+        pooled: dict[bool, list[tuple[Observation, contacts.Measurement]]] = {False: [], True: []}
         for contact, measured in batch:
             assert isinstance(contact, Observation)
             finger = fingers[contact.finger]
-            excluding = excluding_flags(contact, measured, notes[contact.finger])
-            if is_pooled(measured, excluding):
+            excluding = contacts.excluding_flags(contact, measured, notes[contact.finger])
+            if contacts.is_pooled(measured, excluding):
                 pooled[contact.synthetic or finger.synthetic].append((contact, measured))
         for synthetic, some in pooled.items():
             known[synthetic].add(study, fingers, some)
@@ -118,7 +112,7 @@ class _Repeats:
         self,
         study: Study,
         fingers: Mapping[str, FingerResult],
-        seen: Sequence[tuple[Observation, Measurement]],
+        seen: Sequence[tuple[Observation, contacts.Measurement]],
     ) -> None:
         """Add some contacts, without those whose modulus no finger has: their rows are not pooled either."""
         inputs = contact_inputs(study, fingers, seen)
@@ -274,7 +268,7 @@ def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
         ellipse = np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()
         return as_float_array(np.where(np.isfinite(gross), gross, ellipse))
     if quantity == "ridge_area":
-        merged = [RIDGES_MERGE in (flags or "").split() for flags in items(rows["flags"])]
+        merged = [contacts.RIDGES_MERGE in (flags or "").split() for flags in items(rows["flags"])]
         return np.where(merged, np.nan, rows["ridge_area_mm2"].to_numpy())
     columns = {"youngs_modulus": MODULUS, "radius_from_indentation": RADIUS}
     return as_float_array(rows[columns.get(quantity, quantity)].to_numpy())

@@ -99,7 +99,7 @@ class Rows:
                 elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
                 self.layer_parts.add(done.layer_parts[counts])
                 done.weigh(self.highest_load, counts)
-                done.weigh(self.highest_on_layer, counts & done.on_layer)
+                done.weigh(self.highest_on_layer, counts & np.isfinite(done.layer_parts).all(axis=(-2, -1)))
                 start += len(batch)
 
         # One row per observation and frame, in the manifest's order.
@@ -156,11 +156,6 @@ class _Batch:
                 self.columns[name] = COLUMNS[name].unknown(len(seen))
                 self.columns[name][self.good] = answer
         self.columns |= _pooling(seen, self.columns)
-
-    @property
-    def on_layer(self) -> BoolArray:
-        """Which good rows are on a layer, in the range of its laws."""
-        return np.asarray(np.isfinite(self.layer_parts).all(axis=(-2, -1)))
 
     def weigh(self, highest_load: dict[PlacementKey, HighestLoad], counts: BoolArray) -> None:
         """Keep the contact of the highest load at each placement, of those that count; of equals the last."""

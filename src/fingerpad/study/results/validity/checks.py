@@ -6,6 +6,7 @@ question.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -565,20 +566,17 @@ def validity_of(
     ]
     checks = [_checks(case) for case in cases]
     routes = {
-        synthetic: {
-            name: _discrepancy(
-                found
-                for one, all_of_one in zip(summaries, checks, strict=True)
-                for found in all_of_one
-                if one.synthetic == synthetic and found.check == route
-            )
-            for name, route in ROUTES.items()
-        }
-        for synthetic in (False, True)
+        (synthetic, route): _discrepancy(
+            found
+            for one, all_of_one in zip(summaries, checks, strict=True)
+            for found in all_of_one
+            if one.synthetic == synthetic and found.check == route
+        )
+        for synthetic, route in product((False, True), ROUTES.values())
     }
     of_layers = [judge_together(tuple(layer_checks(case, curves))) for case in cases]
     return [
-        _validity(case, found, routes[case.summary.synthetic], of_layer)
+        _validity(case, found, routes, of_layer)
         for case, found, of_layer in zip(cases, checks, of_layers, strict=True)
     ]
 
@@ -610,7 +608,7 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 def _validity(
     case: FingerAtAngle,
     checks: Sequence[ValidityCheck],
-    routes: Mapping[str, ModelDiscrepancy | None],
+    routes: Mapping[tuple[bool, str], ModelDiscrepancy | None],
     of_layer: Sequence[ValidityCheck],
 ) -> ValidityRecord:
     """Return the checks of a place with the headlines that they concern."""
@@ -618,7 +616,7 @@ def _validity(
     headlines = {}
     for name in HEADLINES:
         parts, words = [], []
-        if (route := routes[name]) is not None:
+        if (route := routes[case.summary.synthetic, ROUTES[name]]) is not None:
             parts.append(route.relative_std)
             words.append(f"{counted(route.count, 'comparison')} of images with loading data")
         if name == MODULUS and not math.isnan(over_loads):
