@@ -372,15 +372,13 @@ class CorrectionLog:
             json.loads(self._torn)  # it is whole: its end of line was lost in an editor
             lines.append(self._torn)
             self._torn = b""
-        for line in lines:
-            self._take(line)
+        for number, line in enumerate(lines, self._lines + 1):
+            if line.strip():
+                self._take(line, f"{self._path}: line {number}")
+        self._lines += len(lines)
         self._read += fresh.removesuffix(self._torn)
 
-    def _take(self, line: bytes) -> None:
-        self._lines += 1
-        if not line.strip():
-            return
-        where = f"{self._path}: line {self._lines}"
+    def _take(self, line: bytes, where: str) -> None:
         try:
             record = record_of(line)
         except ValueError as error:

@@ -153,36 +153,28 @@ class IsolatedRunner:
 
     def perform(self, task: Task) -> TaskResult:
         """Perform a task; any number of threads may ask. `CancelledError` if it was abandoned."""
-        reason = ""
+        reason, seconds = "", self.limits.seconds
         for _ in range(2):  # perhaps it died for want of memory beside others: a second time tells
+            worker = POOL.take()
+            self._busy.add(worker)
             try:
-                return self._attempt(task)
+                if self._abandoned:
+                    raise CancelledError
+                return worker.perform(task, self._folder, self.limits)
+            except TimeoutError:
+                reason = (
+                    f"{task.file}: measuring it takes longer than {seconds:g} s: crop or shrink it, or raise "
+                    "the limit (fingerpad run --time-limit-s)"
+                )
+                return TaskResult({"reason": reason}, {}, seconds * max(1, task.reads), self.limits)
             except WorkerDied as death:
+                if self._abandoned:
+                    raise CancelledError from None
                 reason = _reason_of_death(task.file, *death.args)
+            finally:
+                self._busy.discard(worker)
+                POOL.give_back(worker)
         return TaskResult({"reason": reason}, {}, 0.0, self.limits)
-
-    def _attempt(self, task: Task) -> TaskResult:
-        worker = POOL.take()
-        self._busy.add(worker)
-        try:
-            if self._abandoned:
-                raise CancelledError
-            result = worker.perform(task, self._folder, self.limits)
-        except TimeoutError:
-            seconds = self.limits.seconds
-            reason = (
-                f"{task.file}: measuring it takes longer than {seconds:g} s: crop or shrink it, or raise "
-                "the limit (fingerpad run --time-limit-s)"
-            )
-            return TaskResult({"reason": reason}, {}, seconds * max(1, task.reads), self.limits)
-        except WorkerDied:
-            if self._abandoned:
-                raise CancelledError from None
-            raise
-        finally:
-            self._busy.discard(worker)
-            POOL.give_back(worker)
-        return result
 
     def abandon(self) -> None:
         """End what is at work."""

@@ -301,17 +301,14 @@ def _table_uses(path: Path) -> dict[names.Use, float]:
     headers = [cell.casefold() for cell in table.header]
     has = {
         # With or without a unit after it.
-        name: any(re.match(rf"{word}(?=$|[_ ,/(\[])", header) for word in words for header in headers)
-        for name, words in {
-            "force": (*NAMES["force"], "fz", "w"),
-            "travel": (*NAMES["displacement"], "travel", "position", "depth", "approach", "z"),
-            "time": NAMES["time"],
-            "trigger": ("trigger", "ttl", "sync"),
-            "x": ("x",),
-            "y": ("y",),
-        }.items()
+        name: any(
+            re.match(rf"{word}(?=$|[_ ,/(\[])", header)
+            for word in (*NAMES.get(name, ()), *more)
+            for header in headers
+        )
+        for name, more in names.TABLES["column"].items()
     }
-    if has["force"] and has["travel"]:
+    if has["force"] and has["displacement"]:
         # Beside a sequence the platen's displacement may be recorded too.
         share = 0.04
         if has["time"] and has["trigger"]:
