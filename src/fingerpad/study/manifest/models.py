@@ -487,13 +487,8 @@ class ContactSequence(PlacedFinger):
 Contact: TypeAlias = Observation | ContactSequence
 
 _KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
-_FILE_KEYS = frozenset(
-    (
-        *("file_columns", "contact_point", "cycle", "fit_load_range_N", "scale", "area_relative_std"),
-        *_KNOWN,
-        *(f"{key}_std" for key in _KNOWN),
-    )
-)
+# Keys that a curve without a file may have, too.
+_OF_RADIUS = {"finger", "wedge_angle_deg", "file", "loading_radius_mm", "loading_radius_mm_std", "synthetic"}
 
 
 class Curve(ManifestModel):
@@ -546,7 +541,7 @@ class Curve(ManifestModel):
     def _useful(self) -> Self:
         if self.file is None and self.loading_radius_mm is None:
             raise ValueError("give file, loading_radius_mm, or both")
-        idle = _FILE_KEYS if self.file is None else frozenset()
+        idle = type(self).model_fields.keys() - _OF_RADIUS if self.file is None else set[str]()
         if self.loading_radius_mm is None:
             idle |= {"loading_radius_mm_std"}
         if self.fit_load_range_N is not None and not self.fit_load_range_N[0] < self.fit_load_range_N[1]:
