@@ -18,13 +18,21 @@ from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.loading.curve import Cycle, LoadingCurve, moving_average
-from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
+from fingerpad.loading.least_squares import (
+    LeastSquaresFit,
+    Residuals,
+    effective_count,
+    fit_least_squares,
+    minimum,
+)
 
 # A term that takes off less than this share of the squares ends the search for more.
 _MAX_TERMS, _GAIN = 3, 0.995
 _FINE = 500
 _MAX_ROWS = 600
 _PATIENCE = 150
+# Of searches whose end is only a start.
+_NEAR, _FEW = 1e-6, 50
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,13 +165,14 @@ def _fit_terms(
     for time in np.geomspace(max(0.3 * ramp, whole / 200), whole, 3):
         try:
             found.append(
-                fit_least_squares(residuals, [*start, 0.1, np.log(time)], names, evaluations=_PATIENCE)
+                minimum(residuals, [*start, 0.1, np.log(time)], names, tolerance=_NEAR, evaluations=_FEW)
             )
         except FitError as error:
             last = error
     if not found:
         raise last
-    return min(found, key=lambda each: each.sum_of_squares)
+    nearest, _ = min(found, key=lambda each: float(each[1] @ each[1]))
+    return fit_least_squares(residuals, nearest, names, evaluations=_PATIENCE)
 
 
 def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, ...]:
