@@ -410,26 +410,16 @@ def answers(
 
 def _answer(of: summary_file.PlacementRecord, highest: summary_file.AtLoadRecord | None) -> Answer:
     if highest is None:  # frames alone: of the one at the highest load
-        modulus = of.validity.headlines[model_checks.MODULUS]
-        return Answer(
-            of=of,
-            load=of.highest_load_N,
-            area=of.highest_area_mm2,
-            area_std=of.highest_area_mm2_std,
-            modulus=modulus.value,
-            modulus_std=modulus.total_std,
-            on_bone=False,
-        )
-    on_bone = not math.isnan(highest.youngs_modulus_on_layer_kpa)
-    name = "youngs_modulus_on_layer_kpa" if on_bone else "youngs_modulus_kpa"
+        load, area, area_std = of.highest_load_N, of.highest_area_mm2, of.highest_area_mm2_std
+        hertz, on_bone = of.validity.headlines[model_checks.MODULUS], False
+        modulus, std = hertz.value, hertz.total_std
+    else:
+        load, area, area_std = highest.load_N, highest.contact_area_mm2, highest.contact_area_mm2_std
+        on_bone = not math.isnan(highest.youngs_modulus_on_layer_kpa)
+        name = "youngs_modulus_on_layer_kpa" if on_bone else "youngs_modulus_kpa"
+        modulus, std = getattr(highest, name), getattr(highest, f"{name}_std")
     return Answer(
-        of=of,
-        load=highest.load_N,
-        area=highest.contact_area_mm2,
-        area_std=highest.contact_area_mm2_std,
-        modulus=getattr(highest, name),
-        modulus_std=getattr(highest, f"{name}_std"),
-        on_bone=on_bone,
+        of=of, load=load, area=area, area_std=area_std, modulus=modulus, modulus_std=std, on_bone=on_bone
     )
 
 
