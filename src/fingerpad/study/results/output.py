@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from json.encoder import encode_basestring
 from pathlib import Path
@@ -17,13 +17,13 @@ from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
 from fingerpad.image import SEMI_AXES, PadSemiAxes
 from fingerpad.study.measuring.context import FoundScale
-from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
+from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, unit_of
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
+from fingerpad.study.results.pooling import LayerSummary, PooledRadius, area_exponent
 from fingerpad.study.results.repeats import StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
@@ -97,7 +97,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
         **({"load_gain_relative_std": gain} if gain else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
-        summaries=_placements(result),
+        summaries=list(_placements(result)),
         repeatability=summary_file.RepeatabilityRecord(
             contact=[
                 summary_file.ContactRepeatabilityRecord.of(
@@ -132,13 +132,6 @@ def _scale(found: FoundScale | str) -> summary_file.ScaleRecord:
         return summary_file.ScaleRecord(reason=found)
     scale, flags = found.scale, list(found.flags)
     return summary_file.ScaleRecord(mm_per_px=scale.mm_per_px, mm_per_px_std=scale.mm_per_px_std, flags=flags)
-
-
-def _placements(result: StudyResult) -> list[summary_file.PlacementRecord]:
-    return [
-        _placement(summary, check, validity, loading_radius(result.curves, summary.finger_and_wedge))
-        for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True)
-    ]
 
 
 def _finger(finger: FingerResult) -> summary_file.FingerRecord:
@@ -177,37 +170,34 @@ def _photograph(one: PhotographResult) -> summary_file.PhotographRecord:
     )
 
 
-def _placement(
-    summary: Summary,
-    check: summary_file.UncertaintyCheckRecord | None,
-    validity: summary_file.ValidityRecord,
-    loading: LoadingRadius | None,
-) -> summary_file.PlacementRecord:
-    framed = summary.column("frame").notna()
-    counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
-    # Places are by load: the last is that of the highest.
-    highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
-    radius = validity.headlines[model_checks.RADIUS]
-    return summary_file.PlacementRecord.of(
-        summary,
-        summary.first,  # of the undeformed pad, the same in all rows
-        count=int((~framed).sum()),
-        frames=int(framed.sum()),
-        **_pooled("radius_from_indentation", summary.corrected_radius),
-        **_pooled("radius_from_compliance", summary.compliance_radius),
-        on_layer=summary.layer and _on_layer(summary.layer),
-        loading_radius_mm=loading and loading.value,
-        loading_radius_mm_std=loading and loading.std,
-        highest_load_N=highest.get("load_N"),
-        highest_area_mm2=highest.get("gross_area_mm2"),
-        highest_area_mm2_std=highest.get("gross_area_mm2_std"),
-        **_exponent(summary.areas),
-        uncertainty_check=check,
-        radius_from_indentation_mm_model_std=radius.model_std,
-        radius_from_indentation_mm_total_std=radius.total_std,
-        radius_from_indentation_mm_verdict=radius.verdict,
-        validity=validity,
-    )
+def _placements(result: StudyResult) -> Iterator[summary_file.PlacementRecord]:
+    for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True):
+        loading = loading_radius(result.curves, summary.finger_and_wedge)
+        framed = summary.column("frame").notna()
+        counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
+        # Places are by load: the last is that of the highest.
+        highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
+        radius = validity.headlines[model_checks.RADIUS]
+        yield summary_file.PlacementRecord.of(
+            summary,
+            summary.first,  # of the undeformed pad, the same in all rows
+            count=int((~framed).sum()),
+            frames=int(framed.sum()),
+            **_pooled("radius_from_indentation", summary.corrected_radius),
+            **_pooled("radius_from_compliance", summary.compliance_radius),
+            on_layer=summary.layer and _on_layer(summary.layer),
+            loading_radius_mm=loading and loading.value,
+            loading_radius_mm_std=loading and loading.std,
+            highest_load_N=highest.get("load_N"),
+            highest_area_mm2=highest.get("gross_area_mm2"),
+            highest_area_mm2_std=highest.get("gross_area_mm2_std"),
+            **_exponent(summary.areas),
+            uncertainty_check=check,
+            radius_from_indentation_mm_model_std=radius.model_std,
+            radius_from_indentation_mm_total_std=radius.total_std,
+            radius_from_indentation_mm_verdict=radius.verdict,
+            validity=validity,
+        )
 
 
 def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:

@@ -76,7 +76,7 @@ def contact_repeatability(
     study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, contacts.Measurement]]
 ) -> dict[bool, ContactRepeatability]:
     """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
-    known = {False: _Repeats(), True: _Repeats()}
+    known = {False: _Repeats(study, fingers), True: _Repeats(study, fingers)}
     notes = {
         name: [contacts.IMPLAUSIBLE_SIZE] if implausible_size(finger.semi_axes).any() else []
         for name, finger in fingers.items()
@@ -94,28 +94,24 @@ def contact_repeatability(
             if contacts.is_pooled(measured, excluding):
                 pooled[contact.synthetic or finger.synthetic].append((contact, measured))
         for synthetic, some in pooled.items():
-            known[synthetic].add(study, fingers, some)
+            known[synthetic].add(some)
     return {synthetic: repeats.scatter() for synthetic, repeats in known.items()}
 
 
 class _Repeats:
     """Ellipses of contacts that count, with what each is a repeat of."""
 
-    def __init__(self) -> None:
+    def __init__(self, study: Study, fingers: Mapping[str, FingerResult]) -> None:
+        self._study, self._fingers = study, fingers
         self._axes, self._noise = GrowingArray(np.empty((0, 2))), GrowingArray(np.empty((0, 2, 2)))
         self._load = GrowingArray(np.empty(0))
         self._placed: list[tuple[float, float]] = []
         self._unit: list[tuple[str, str | None]] = []
         self._tuples: dict[tuple[Any, ...], tuple[Any, ...]] = {}
 
-    def add(
-        self,
-        study: Study,
-        fingers: Mapping[str, FingerResult],
-        seen: Sequence[tuple[Observation, contacts.Measurement]],
-    ) -> None:
+    def add(self, seen: Sequence[tuple[Observation, contacts.Measurement]]) -> None:
         """Add some contacts, without those whose modulus no finger has: their rows are not pooled either."""
-        inputs = contact_inputs(study, fingers, seen)
+        inputs = contact_inputs(self._study, self._fingers, seen)
         with np.errstate(all="ignore"):
             outputs, values = evaluate(pad_model, inputs.names, inputs.mean)
         modulus, (least, most) = values[:, outputs.index("youngs_modulus")], PLAUSIBLE_MODULUS_KPA
