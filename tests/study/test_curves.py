@@ -333,7 +333,12 @@ def fitted(run_of_curves) -> list[CurveResult]:
 
 
 def test_curves_given_twice_and_without_a_layer(run_of_curves):
-    assert "0.csv: press 0 is given 4 times, and counts so often in R_g" in run_of_curves.notes
+    assert "0.csv: press 0 is given 4 times, and counts once in R_g" in run_of_curves.notes
+    plain, *_, other = run_of_curves.curves
+    every, once = (
+        loading_radius(curves, ("f", 30.0, False)) for curves in (run_of_curves.curves, [plain, other])
+    )
+    assert every == once
     assert all(curve.layer is None for curve in run_of_curves.curves)
 
 

@@ -265,10 +265,9 @@ def _unit_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
 def _repeated_files(measured: Measured) -> Iterator[str]:
     """Yield which files are given twice, so that one press would count twice or has two loads."""
     curves = measured.items.context.study.curves
-    presses = Counter((one.file, one.cycle, one.wedge_angle_deg) for one in curves if one.file)
-    for (file, cycle, _), count in presses.items():
-        if count > 1:
-            yield f"{file}: press {cycle} is given {count} times, and counts so often in R_g"
+    for (press, _), count in Counter((one.press, one.finger_and_wedge) for one in curves).items():
+        if press and count > 1:
+            yield "{}: press {} is given {} times, and counts once in R_g".format(*press, count)
     for same, one_press in repeated_pictures(measured.items.context):
         names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
         if one_press:

@@ -537,6 +537,11 @@ class Curve(ManifestModel):
         """Finger and angle, and whether it is synthetic: as in `Summary.finger_and_wedge`."""
         return self.finger, self.wedge_angle_deg, self.synthetic
 
+    @property
+    def press(self) -> tuple[str, int] | None:
+        """The file and which press in it; None where there is no file."""
+        return None if self.file is None else (self.file, self.cycle)
+
     @model_validator(mode="after")
     def _useful(self) -> Self:
         if self.file is None and self.loading_radius_mm is None:

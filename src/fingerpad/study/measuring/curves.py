@@ -341,16 +341,18 @@ class LoadingRadius(NamedTuple):
 
 
 def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, bool]) -> LoadingRadius | None:
-    """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
-    fitting = [
-        one
-        for one in curves
-        if one.manifest.finger_and_wedge == pressed
-        and math.isfinite(one.loading_radius)
-        and not (one.fit and "implausible_radius" in one.fit.flags)
-    ]
-    if not fitting:
+    """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any.
+
+    A press that is given twice counts once.
+    """
+    presses: dict[object, CurveResult] = {}
+    for one in curves:
+        plausible = not (one.fit and "implausible_radius" in one.fit.flags)
+        if one.manifest.finger_and_wedge == pressed and math.isfinite(one.loading_radius) and plausible:
+            presses.setdefault(one.manifest.press or id(one), one)
+    if not presses:
         return None
+    fitting = list(presses.values())
     *_, synthetic = pressed
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
