@@ -260,8 +260,11 @@ def _variations(bands: list[FloatArray], period: float, power: int) -> FloatArra
 
 def _sector_means(values: FloatArray) -> FloatArray:
     """Return means over equal parts of an outline."""
-    sectors = np.array_split(values, min(EDGE.sectors, len(values)))
-    return np.array([sector.mean(axis=0) for sector in sectors])
+    count = min(EDGE.sectors, len(values))
+    size, longer = divmod(len(values), count)
+    lengths = np.repeat([size + 1, size], [longer, count - longer])
+    starts = np.append(0, np.cumsum(lengths[:-1]))
+    return np.asarray((np.add.reduceat(values, starts, axis=0).T / lengths).T)
 
 
 def point_spacings(points: FloatArray) -> FloatArray:
