@@ -204,15 +204,18 @@ def quadratic_surface(factors: FloatArray, shape: tuple[int, ...]) -> FloatArray
 def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
     """Return the light that sRGB levels stand for, 1 at the top of the type's range.
 
-    A blurred edge lies where half the light is, not half the level. Levels of floating point are taken as
-    shares of the largest, or of 1 if none is larger.
+    A blurred edge lies where half the light is, not half the level.
     """
-    if pixels.dtype.kind in "ui":
-        top = np.iinfo(pixels.dtype).max
-        if top <= 0xFFFF:
-            return np.asarray(_decode(np.arange(top + 1) / top)[np.maximum(pixels, 0)], dtype=np.float32)
-        return _decode(np.maximum(pixels, 0) / top)
-    return _decode(np.maximum(pixels, 0) / max(1.0, float(pixels.max())))
+    if pixels.dtype.kind in "ui" and (top := np.iinfo(pixels.dtype).max) <= 0xFFFF:
+        return np.asarray(_decode(np.arange(top + 1) / top)[np.maximum(pixels, 0)], dtype=np.float32)
+    return _decode(shares_of_top(pixels))
+
+
+def shares_of_top(pixels: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return levels as shares of the top of their type, those of floating point of the largest, or of 1."""
+    whole = pixels.dtype.kind in "ui"
+    top = np.iinfo(pixels.dtype).max if whole else max(1.0, float(pixels.max()))
+    return np.asarray(np.maximum(pixels, 0) / top)
 
 
 def srgb_levels(light: npt.NDArray[Any]) -> npt.NDArray[np.float32]:

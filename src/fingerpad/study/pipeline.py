@@ -32,7 +32,6 @@ from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
 from fingerpad.study.manifest.models import PitchScale, ResolutionScale, Study
-from fingerpad.study.measuring.contacts import repeated_pictures
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, item_of, measure_study
@@ -268,7 +267,7 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
     for (press, _), count in Counter((one.press, one.finger_and_wedge) for one in curves).items():
         if press and count > 1:
             yield "{}: press {} is given {} times, and counts once in R_g".format(*press, count)
-    for same, one_press in repeated_pictures(measured.items.context):
+    for same, one_press in measured.repeated:
         names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
         if one_press:
             yield (

@@ -260,6 +260,7 @@ def _variations(bands: list[FloatArray], period: float, power: int) -> FloatArra
 
 def _sector_means(values: FloatArray) -> FloatArray:
     """Return means over equal parts of an outline."""
+    # As `np.array_split` parts them; one call, since a hundred of means cost more than all they add up.
     count = min(EDGE.sectors, len(values))
     size, longer = divmod(len(values), count)
     lengths = np.repeat([size + 1, size], [longer, count - longer])

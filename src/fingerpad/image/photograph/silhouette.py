@@ -14,7 +14,7 @@ from fingerpad._arrays import BoolArray, FloatArray, IndexArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, runs
-from fingerpad.image.levels import LUMA, linear_light, quadratic_surface, quadratic_terms
+from fingerpad.image.levels import LUMA, linear_light, quadratic_surface, quadratic_terms, shares_of_top
 from fingerpad.image.photograph.faces import STEPS, Direction, opposite
 
 _SIDE_PX = 900
@@ -107,9 +107,7 @@ def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
     """
     if pixels.ndim == 2:
         return linear_light(pixels)[..., None]
-    whole = pixels.dtype.kind in "ui"
-    top = np.iinfo(pixels.dtype).max if whole else max(1.0, float(pixels.max()))
-    levels = np.asarray(np.maximum(pixels[..., :3], 0) / top, dtype=np.float32)
+    levels = np.asarray(shares_of_top(pixels)[..., :3], dtype=np.float32)
     luma = np.asarray(levels @ LUMA, dtype=np.float32)
     return np.stack([linear_light(luma), levels[..., 0] - luma, levels[..., 2] - luma], axis=-1)
 

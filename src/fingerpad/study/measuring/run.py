@@ -16,7 +16,7 @@ from fingerpad.study.engine.runner import (
 )
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
-from fingerpad.study.manifest.models import Contact
+from fingerpad.study.manifest.models import Contact, Observation
 from fingerpad.study.measuring.contacts import (
     REPEATED_PICTURE,
     Measurement,
@@ -127,6 +127,8 @@ class Measured:
     curves: list[CurveResult]
     # In the manifest's order; read from the store each time that it is gone through.
     contacts: Iterable[tuple[Contact, Measurement]]
+    # Observations that show one part of one picture, and whether they state one press.
+    repeated: list[tuple[list[Observation], bool]]
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
 
@@ -166,6 +168,7 @@ def measure_study(
     run_plans(items.plans(left), executor, store_result, is_done)
     sequences = [one.result() for one in items.sequences]
     curves = zip(items.curves, context.study.curves, strict=True)
+    repeated = list(repeated_pictures(context))
     return Measured(
         items=items,
         progress=progress,
@@ -174,7 +177,8 @@ def measure_study(
         },
         sequences=sequences,
         curves=[given_curve(curve) if item is None else item.result() for item, curve in curves],
-        contacts=_Contacts(items, sequences),
+        contacts=_Contacts(items, sequences, repeated),
+        repeated=repeated,
         operator_pairs=operator_pairs(context, perform),
     )
 
@@ -201,6 +205,7 @@ class _Contacts:
 
     items: StudyItems
     sequences: Sequence[SequenceResult]
+    repeated: list[tuple[list[Observation], bool]]
 
     def __length_hint__(self) -> int:
         """Return how many they may be: not every frame shows a contact."""
@@ -209,9 +214,7 @@ class _Contacts:
 
     def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
         repeated = {
-            one.name
-            for same, one_press in repeated_pictures(self.items.context)
-            for one in (same[1:] if one_press else same)
+            one.name for same, one_press in self.repeated for one in (same[1:] if one_press else same)
         }
         for item in self.items.observations:
             measured = item.result()
