@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from PIL import Image
-from tests.studies import Table, contact, finger, picture, run
+from tests.studies import Table, contact, correct, finger, picture, run
 
 from fingerpad.image.read import read_resolution
 from fingerpad.simulate import render_coin, render_contact_image
@@ -65,6 +65,8 @@ def test_one_picture_under_two_names_or_at_two_loads_counts_once_or_not_at_all(f
     ]
     assert repeated == [[True, True], [False, True], [False, False]]
     assert list(twice.rows["pooled"]) == [True, False]
+    correct(folder, "x", {"rejected": "the wrong file"})
+    assert list(run(folder, finger(), shown(), shown("y", 3)).rows["pooled"]) == [False, True]
 
 
 def test_a_file_that_states_another_resolution_than_its_scale_is_noted(folder):

@@ -89,10 +89,13 @@ class ObservationItem(OneTaskItem[Observation]):
 
 
 def repeated_pictures(context: RunContext) -> Iterator[tuple[list[Observation], bool]]:
-    """Yield observations that show one part of one picture, and whether they state one press."""
+    """Yield observations that show one part of one picture, and whether they state one press.
+
+    One that a person rejected says nothing of the others.
+    """
     pictures: dict[tuple[str, str], list[Observation]] = {}
     for one in context.study.observations:
-        if one.file is not None:
+        if one.file is not None and not context.is_rejected(one.name):
             part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
             pictures.setdefault((context.digest(context.folder / one.file), part), []).append(one)
     for same in pictures.values():
