@@ -138,7 +138,7 @@ _SCALE: Final = (
 _FRAME: Final = (
     Flag(
         "repeated_picture",
-        "the picture is that of another contact, too",
+        "the same picture is given for another contact",
         "keep one of them, give each its own picture, or say by region_of_interest_px which part it shows",
         "pooling",
     ),

@@ -44,6 +44,16 @@ def test_a_decimal_comma_is_a_decimal_point_or_is_refused(example_tab: Tab, exam
     assert saved["load_N"] == 0.15
 
 
+def test_what_is_proposed_for_foreign_headers_is_used_as_it_is(example_tab: Tab, example) -> None:
+    curve = example / "loading_curve.csv"
+    curve.write_text(curve.read_text().replace("force_N,displacement_mm", "Zelle (N),Traverse (mm)", 1))
+    page = example_tab.open()
+    page.get_by_role("button", name="Use", exact=True).click()
+    page.get_by_text("no column force_N").wait_for(state="detached")
+    (saved,) = manifest(example)["curves"]
+    assert saved["file_columns"] == {"force": "Zelle (N):N", "displacement": "Traverse (mm):mm"}
+
+
 def test_a_reason_never_undoes_a_rejection(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)

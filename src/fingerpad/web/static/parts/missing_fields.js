@@ -59,7 +59,10 @@ function fieldOf({ kind, key, place, words, proposed }) {
       workspace.study.scales.length > 0 && scaleChoice({ value: null, label, onset: set }),
       h("a", { href: "#/scale/+" }, workspace.study.scales.length ? "New scale" : "Set the scale"),
     ];
-  if (place === "file_columns") return text({ value: proposed, label, onset: set });
+  if (place === "file_columns") {
+    const onsubmit = (event) => (event.preventDefault(), set(event.currentTarget[0].value));
+    return h("form.control", { onsubmit }, [text({ value: proposed, label }), h("button.small", "Use")]);
+  }
   if (place in NUMBERS) {
     const { unit, max } = NUMBERS[place];
     return h("div.control", [number({ min: 0, max, label, onset: set }), h("span.unit", unit)]);

@@ -47,14 +47,9 @@ function figureCard(figure) {
   ]);
 }
 
-/** What the report says of all results, in its words. @param {Record<string, string[]>} said */
-export const adviceNotes = ({ check = [], better = [], missing = [] }) => [
-  check.length > 0 && h("div.note", [h("strong", "Check the results"), list(check)]),
-  [
-    ["To measure better", better],
-    [`What is exact, assumed or missing (${missing.length}): the ± leave out what that would add`, missing],
-  ].map(([title, words]) => words.length > 0 && h("details.range", [h("summary", title), list(words)])),
-];
+/** Notes behind their title; nothing without any. @param {string[]} notes */
+export const folded = (title, notes = []) =>
+  notes.length > 0 && h("details.range", [h("summary", title), list(notes, "ul.note")]);
 
 /** What a loading curve tells. */
 export const curveCard = ({ title, synthetic: made, facts, verdict, doubts }) =>

@@ -8,7 +8,7 @@ import { chart, colour, forget, prepareCharts } from "../parts/chart.js";
 import { alarm, choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupCard, verdictChip } from "../parts/results.js";
-import { adviceNotes, curveCard } from "./results_parts.js";
+import { curveCard, folded } from "./results_parts.js";
 
 const RADIUS = "radius_from_indentation_mm";
 const COMPARED = "radius_from_compliance_mm";
@@ -69,14 +69,17 @@ export class Plots {
     [this.groups, this.figures] = await Promise.all([read(this.quantity), get("/results/figures")]);
     const said = this.figures.length ? await advice() : {}; // both are the report's
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
-    const curves = said.curves?.length > 0 && [
-      h("h2", "Loading curves"),
-      h("div.plot-grid", [said.curves.map(curveCard)]),
+    const warning =
+      said.check?.length > 0 && h("div.note", [h("strong", "Check the results"), list(said.check)]);
+    const rest = [
+      said.curves?.length > 0 && [h("h2", "Loading curves"), h("div.plot-grid", said.curves.map(curveCard))],
+      folded("To measure better", said.better),
+      folded("What is exact, assumed or missing: the ± leave out what that would add", said.missing),
     ];
     if (!this.groups.length) {
       const words = "There are no contacts in these results: a plot needs finger, angle, load and scale. ";
       const none = h("p.lead", [words, h("a", { href: "#/study" }, "See the Study page.")]);
-      render(this.root, [adviceNotes(said), none, curves]);
+      render(this.root, [warning, none, rest]);
       return;
     }
     this.grid = h("div.plot-grid");
@@ -87,7 +90,7 @@ export class Plots {
     const choice = (label, key, options, onset = (value) => set({ [key]: value })) =>
       choiceField(label, { value: this[key], options, onset });
     render(this.root, [
-      adviceNotes(said),
+      warning,
       h("div.plot-bar", [
         choice("Against load", "quantity", QUANTITIES, async (quantity) =>
           set({ groups: await read(quantity), quantity }),
@@ -97,7 +100,7 @@ export class Plots {
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ]),
       this.grid,
-      curves,
+      rest,
     ]);
     this.watcher = new IntersectionObserver(
       (entries) => {
@@ -156,7 +159,6 @@ export class Plots {
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
     const checks = group.checks.map(([, words]) => words);
-    const folded = (words, notes) => h("details.range", [h("summary", words), list(notes, "ul.note")]);
     const fact = (label, { value, words }) =>
       value !== null && h("div", [h("dt", label), h("dd.number", words)]);
     return groupCard(
@@ -180,7 +182,7 @@ export class Plots {
         poolingList(group.pooling),
         node,
         folded(`Does the model hold? ${group.verdict}`, checks),
-        group.doubts.length > 0 && folded(`Doubtful values (${group.doubts.length})`, group.doubts),
+        folded(`Doubtful values (${group.doubts.length})`, group.doubts),
       ],
       "section.card.plot-card",
     );

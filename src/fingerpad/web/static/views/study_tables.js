@@ -83,13 +83,13 @@ export class StudyTables {
   }
 
   /** A button that removes an entry, once that is confirmed. */
-  removal(kind, key, words, label = words) {
+  removal(kind, key, words) {
     const remove = async () => {
       const body = h("p", "Its file stays in the study folder.");
       if (await ask(`Remove ${words} from the study?`, body, "Remove", { kind: "bad" }))
         this.change(kind, key, null);
     };
-    return button("×", remove, { kind: "icon", label: `Remove ${label}` });
+    return button("×", remove, { kind: "icon", label: `Remove ${words}` });
   }
 
   #turn(page) {
@@ -219,7 +219,7 @@ export class StudyTables {
       cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
       h("td.number", one.file ? "from the curve" : one.loading_radius_mm.words),
       cell(statusChip(one)),
-      cell(this.removal("curve", one.key, one.file ?? "this radius", name)),
+      cell(this.removal("curve", one.key, one.file ?? `the radius of ${one.finger}`)),
     );
   }
 
