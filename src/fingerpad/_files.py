@@ -52,6 +52,11 @@ def file_stem(name: str) -> str:
     )
 
 
+def leads_out(name: str) -> bool:
+    """Tell whether a name, joined to a folder, is that of a file elsewhere; links are not followed."""
+    return Path(name).is_absolute() or ".." in Path(name).parts
+
+
 def folded(name: str) -> str:
     """Return what names have in common that are one on a system without case or accents of two kinds."""
     return normalize("NFC", normalize("NFC", name).casefold())

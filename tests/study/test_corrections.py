@@ -2,6 +2,7 @@
 
 import json
 import multiprocessing
+import time
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -53,6 +54,17 @@ def test_the_newest_is_active_and_every_correction_stays(tmp_path, log):
     said(log, "print_1", {})  # nothing said is the program's own
     assert log.active_correction("print_1") is None
     assert log.active_corrections() == {}
+
+
+def test_many_corrections_are_found_in_a_large_study_at_once(tmp_path):
+    names = [f"print_{number}" for number in range(10_000)]
+    record = {"when": "2026-01-01T00:00:00Z", "who": "anna", "action": "change", "change": {"threshold": 9}}
+    lines = (json.dumps({"id": number, "item": name, **record}) for number, name in enumerate(names, 1))
+    (tmp_path / CORRECTIONS_NAME).write_text("\n".join([*lines, ""]))
+    log, study = CorrectionLog(tmp_path), study_of(finger(), *(contact(name, 1) for name in names))
+    began = time.perf_counter()
+    assert log.unknown_items(study) == []
+    assert time.perf_counter() - began < 0.5
 
 
 def test_who_corrected_pooling_stays_whoever_corrects_later(log):

@@ -8,6 +8,7 @@ import resource
 import shutil
 import signal
 import sys
+import time
 import tomllib
 from contextlib import suppress
 
@@ -20,8 +21,8 @@ from fingerpad.study.editing import edit
 from fingerpad.study.editing.edit import Edit, change_study, create_study, folded, title_of, unfolded
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME, recover, replace_files
-from fingerpad.study.manifest.load import STUDY_NAME, is_as_read, load_study, read_study
-from fingerpad.study.status import missing
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, is_as_read, load_study, read_study
+from fingerpad.study.status import missing, unused_files
 
 MANIFEST = """\
 # Whose study this is.
@@ -170,6 +171,35 @@ def test_a_wrong_edit_writes_nothing(folder, case):
     assert words in str(error.value)
     assert ".new" not in str(error.value)
     assert contents(folder) == before
+
+
+def test_a_scale_does_not_take_the_name_of_another(folder):
+    changed(folder, ("scale", "box", {"ppi": 1000}))
+    with pytest.raises(ManifestError, match="scale reader: 'box' is taken"):
+        changed(folder, ("scale", "reader", {"name": "box"}))
+    assert {name: scale.ppi for name, scale in studied(folder).scales.items()} == {"reader": 500, "box": 1000}
+
+
+def test_many_new_contacts_are_not_looked_up_among_one_another(folder, monkeypatch):
+    looked, get = [], tomlkit.items.Table.__getitem__
+    monkeypatch.setattr(tomlkit.items.Table, "__getitem__", lambda *one: looked.append(one) or get(*one))
+    changed(folder, *(("observation", f"new_{number}", PRINT) for number in range(200)))
+    assert len(studied(folder).observations) == 202
+    assert len(looked) < 20 * 200
+
+
+def test_names_removed_and_changed_among_others_are_free_again(folder):
+    changed(
+        folder,
+        ("observation", "new", PRINT | {"load_N": 3}),
+        ("observation", "new", {"load_N": 4}),
+        ("observation", "print_1", None),
+        ("observation", "print_2", {"name": "print_1"}),
+        ("observation", "print_1", {"load_N": 5}),
+        ("observation", "print_2", PRINT),
+    )
+    loads = {one.name: one.load_N for one in studied(folder).observations}
+    assert loads == {"print_1": 5, "new": 4, "print_2": 2}
 
 
 def test_a_study_grows_from_nothing(tmp_path):
@@ -444,6 +474,16 @@ def test_what_is_missing_is_said(folder):
     assert said(folder) == {("observation", "p"): "the load is missing"}
     changed(folder, ("observation", "p", {"load_N": 1}))
     assert said(folder) == {}
+
+
+def test_many_loose_files_beside_many_in_use_are_listed_at_once(tmp_path, monkeypatch):
+    for number in range(1500):
+        (tmp_path / f"new_{number}_1N.png").touch()
+    names = {f"old_{number}.png" for number in range(30_000)}
+    began = time.perf_counter()
+    monkeypatch.setattr(LoadedStudy, "files", lambda _: names)
+    assert len(list(unused_files(LoadedStudy.empty(tmp_path)))) == 1500
+    assert time.perf_counter() - began < 3
 
 
 def test_sequences_and_results_are_no_loose_pictures(folder):

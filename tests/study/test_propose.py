@@ -42,6 +42,8 @@ def test_names(file, kind, known):
     assert new.guessed == ()
     assert named_file("IMG_1.jpg", "picture", ["left_index"]).finger == "left_index"  # the only one
     assert named_file("IMG_1.jpg", "picture", ["left_index", "right_index"]).finger == ""
+    assert named_file("P10_30deg_2N.png", "picture", ["P1", "P2"]).finger == ""  # another one
+    assert named_file("palmar_B.jpg", "picture", ["A", "B"]).finger == "B"
 
 
 @pytest.mark.parametrize(

@@ -196,6 +196,16 @@ def test_who_reads_results_names_the_file_that_does_not_belong(study, name, chan
     assert command.run("compare", out)[0] == 0
 
 
+def test_what_came_from_elsewhere_leads_out_of_no_folder(study):
+    out, outside = study / "out", study / "outside.txt"
+    outside.write_text("precious")
+    (out / "SHA256SUMS").write_text(f"{'0' * 64}  ../outside.txt\n")
+    run_study(study / "study.toml", out)
+    assert outside.read_text() == "precious"
+    with Store.reading(out / STORE_NAME) as store:
+        assert store.drawn_file("../outside.txt", store.digest(outside)) is None
+
+
 @pytest.mark.parametrize("damage", [b"", b"x", b"\xff\xfe"])
 def test_a_damaged_list_is_named(study, damage):
     path = study / "out" / "SHA256SUMS"

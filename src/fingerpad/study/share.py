@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 from uuid import uuid4
 
-from fingerpad._files import folded
+from fingerpad._files import folded, leads_out
 from fingerpad.exceptions import ArchiveError
 from fingerpad.study.corrections.log import CORRECTIONS_LOCK, CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
@@ -101,10 +101,9 @@ class Bundle:
         path = folder / name
         if not name or not (os.path.isfile(path) or os.path.isdir(path)):
             return
-        parts = PurePosixPath(name).parts
-        if os.path.isabs(name) or ".." in parts or not path.resolve().is_relative_to(folder.resolve()):
+        if leads_out(name) or not path.resolve().is_relative_to(folder.resolve()):
             return
-        plain = "/".join(parts)
+        plain = "/".join(PurePosixPath(name).parts)
         if os.path.isfile(path):
             self.files.setdefault(plain, path)
             return

@@ -321,7 +321,7 @@ def unused_files(loaded: LoadedStudy) -> Iterator[Missing]:
     frames: dict[str, list[str]] = {}
     for path in _files(folder):
         name = path.relative_to(folder).as_posix()
-        if name in used or any(name.startswith(f"{other}/") for other in used):
+        if not used.isdisjoint([name, *map(str, PurePosixPath(name).parents[:-1])]):
             continue
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):

@@ -8,7 +8,7 @@ changes. Automatic measurements are neither kept here nor overwritten.
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -217,35 +217,49 @@ def kind_of(item: str, study: Study) -> ItemKind:
     return parts_of_item(item)[0]
 
 
-def _table_of(item: str, study: Study) -> Observation | ContactSequence | Photograph | None:
-    """Return the table of an item in the manifest, of a frame or phases their sequence's; None without."""
-    kind, name, part = parts_of_item(item)
-    if kind == "photograph":
-        photographs = (one for finger in study.fingers if finger.name == name for one in finger.photographs)
-        return next((one for one in photographs if one.file == part), None)
-    if kind == "observation":
-        return next((one for one in study.observations if one.name == name), None)
-    is_named = kind == "phases" or _is_frame(part)
-    return next((one for one in study.sequences if is_named and one.name == name), None)
+_Corrected: TypeAlias = Observation | ContactSequence | Photograph
 
 
-def image_of(item: str, study: Study) -> str | None:
-    """Return the file of an item's picture, or of the force whose phases it is; None of a frame."""
-    table = _table_of(item, study)
+def _tables_of(items: Iterable[str], study: Study) -> dict[str, _Corrected | None]:
+    """Return the table of each item in the manifest, of a frame or phases their sequence's; None without."""
+    known: dict[str, _Corrected] = {
+        **{f"{each.name}/{one.file}": one for each in study.fingers for one in each.photographs if one.file},
+        **{one.name: one for one in study.observations},
+        **{phases_item(one.name): one for one in study.sequences},
+    }
+    found = {}
+    for item in items:
+        kind, name, part = parts_of_item(item)
+        of_frame = kind == "frame" and _is_frame(part)
+        found[item] = known.get(phases_item(name) if of_frame else item)
+    return found
+
+
+def _table_of(item: str, study: Study) -> _Corrected | None:
+    return _tables_of([item], study)[item]
+
+
+def images_of(items: Iterable[str], study: Study) -> dict[str, str | None]:
+    """Return the file of each item's picture, or of the force whose phases it is; None of a frame."""
+    tables = _tables_of(items, study).items()
+    return {item: _image_of(item, table) for item, table in tables}
+
+
+def _image_of(item: str, table: _Corrected | None) -> str | None:
     if isinstance(table, ContactSequence):
         return table.force if item == phases_item(table.name) else None
     return None if table is None else table.file
 
 
 def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str], str] | None = None) -> str:
-    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any.
+    """Return the SHA-256 of an item's file as of `images_of`, or of a frame's pixels; empty without any.
 
     `digest` gives that of a file of the study by its name, which is read otherwise.
     """
-    image = image_of(item, study)
+    table, (*_, number) = _table_of(item, study), parts_of_item(item)
+    image = _image_of(item, table)
     if image is not None:
         return digest(image) if digest else digest_of(folder / image)
-    table, (*_, number) = _table_of(item, study), parts_of_item(item)
     if not isinstance(table, ContactSequence):
         return ""
     try:
@@ -413,7 +427,7 @@ class CorrectionLog:
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""
         self.refresh()
-        return [item for item in self._histories if _table_of(item, study) is None]
+        return [item for item, table in _tables_of(self._histories, study).items() if table is None]
 
     def append(
         self,

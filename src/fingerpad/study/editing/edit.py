@@ -149,10 +149,7 @@ def folded(text: str, kept: Collection[str]) -> tuple[str, dict[str, str]]:
 
 def unfolded(text: str, left_out: dict[str, str]) -> str:
     """Put back what `folded` left out."""
-    for line, tables in left_out.items():
-        before, _, after = text.partition(line)
-        text = before + tables + after
-    return text
+    return re.sub(f"{_MARK}\\d+\n", lambda line: left_out[line[0]], text) if left_out else text
 
 
 def _list_left_out(piece: str, kept: Collection[str]) -> str | None:
@@ -185,6 +182,20 @@ class StudyFiles:
         if name is not None:
             self.sheet = Sheet(name, file_inside(folder, name).read_bytes())
         self._texts = self._written()
+        # Tables of lists by their names, as of `find`: to look at all of them for each edit takes too long.
+        self.named: dict[Kind, dict[str, Any]] = {}
+
+    def find(self, kind: Kind, key: str) -> Any:
+        """Return a table of a list, None where there is none."""
+        tables = self.manifest.get(LISTS[kind], [])
+        if kind == "curve":
+            number = int(key) if key.isdecimal() else -1
+            if not 0 <= number <= len(tables):
+                raise ManifestError(f"curve {key!r}: there are {len(tables)}, numbered from 0")
+            return tables[number] if number < len(tables) else None
+        if kind not in self.named:  # of equal names the first
+            self.named[kind] = {str(table.get("name", "")): table for table in reversed(list(tables))}
+        return self.named[kind].get(key)
 
     def _written(self) -> dict[str, str]:
         sheet = {} if self.sheet is None else {self.sheet.name: self.sheet.text()}
@@ -294,6 +305,10 @@ def _set_scale(files: StudyFiles, edit: Edit) -> None:
     values = dict(edit.set)
     renamed = str(values.pop("name", edit.key))
     _require_name("scale", renamed)
+    if renamed != edit.key and renamed in manifest.get("scales", {}):
+        raise ManifestError(
+            f"scale {edit.key}: {renamed!r} is taken: remove that scale first, or name another"
+        )
     if "scales" not in manifest:
         manifest["scales"] = tomlkit.table(True)
     table = table_in(manifest["scales"], edit.key)
@@ -311,7 +326,7 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
         _refuse_rename(files, edit)
         files.sheet.change(edit.key, edit.set)
         return
-    table = _find(files, edit.kind, edit.key)
+    table = files.find(edit.kind, edit.key)
     renamed = str((edit.set or {}).get("name", edit.key))
     start = {} if edit.kind == "curve" else {"name": edit.key}
     if edit.set is not None and start:
@@ -319,30 +334,23 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
     if table is not None:
         _refuse_rename(files, edit)
     change_listed(files.manifest, LISTS[edit.kind], table, edit, start)
+    if table is None and start:
+        files.named[edit.kind].setdefault(renamed, files.manifest[LISTS[edit.kind]][-1])
+    elif edit.set is None or renamed != edit.key:
+        files.named.pop(edit.kind, None)
     if edit.kind == "finger" and renamed != edit.key:
         _rename(files, "finger", edit.key, renamed)
 
 
 def _set_photograph(files: StudyFiles, edit: Edit) -> None:
     owner, _, file = edit.key.partition("/")
-    finger = _find(files, "finger", owner)
+    finger = files.find("finger", owner)
     if finger is None:
         raise ManifestError(f"photograph {edit.key}: no finger is named {owner!r}; add the finger first")
     photographs = finger.get("photographs", [])
     found = next((one for one in photographs if file in {one.get("file"), one.get("outline")}), None)
     start = {} if "outline" in (edit.set or {}) else {"file": file}
     change_listed(finger, "photographs", found, edit, start)
-
-
-def _find(files: StudyFiles, kind: Kind, key: str) -> Any:
-    """Return a table of a list, None where there is none."""
-    tables = files.manifest.get(LISTS[kind], [])
-    if kind == "curve":
-        number = int(key) if key.isdecimal() else -1
-        if not 0 <= number <= len(tables):
-            raise ManifestError(f"curve {key!r}: there are {len(tables)}, numbered from 0")
-        return tables[number] if number < len(tables) else None
-    return next((table for table in tables if table.get("name") == key), None)
 
 
 # Whose name stands in the items of each kind.

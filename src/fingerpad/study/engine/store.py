@@ -23,7 +23,7 @@ from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 from filelock import FileLock, Timeout
 
-from fingerpad._files import content_digest, content_stamp, make_folder
+from fingerpad._files import content_digest, content_stamp, leads_out, make_folder
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.task import Limits, TaskResult
 
@@ -220,6 +220,8 @@ class Store:
 
     def drawn_file(self, name: str, digest: str) -> Path | None:
         """Return where a file is that was drawn for the results; None where it is not as it was drawn."""
+        if leads_out(name):  # in a store from elsewhere
+            return None
         waiting = self._waiting(name, digest)
         if waiting.is_file():
             return waiting

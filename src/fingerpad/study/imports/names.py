@@ -215,7 +215,7 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
     role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
     if role and not names_a_scale(name) and not (kind == "table" and names_a_force(name)):
         values["use"] = role
-    known = [finger for finger in fingers if finger.lower() in stem.lower()]
+    known = [finger for finger in fingers if _stands_in(finger, stem)]
     if known:
         values["finger"] = max(known, key=len)
     elif finger := _finger(stem):
@@ -229,6 +229,12 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
     if load := _LOAD.search(stem):
         values["load_N"] = _float(load[1]) * (1e-3 if load[2] else 1.0)
     return values
+
+
+def _stands_in(name: str, text: str) -> bool:
+    """Tell whether a name stands in a text, not as a part of a longer word or number: P1 is not in P10."""
+    before, after = (r"\d" if end.isdigit() else r"[^\W\d_]" for end in (name[0], name[-1]))
+    return re.search(rf"(?<!{before}){re.escape(name)}(?!{after})", text, re.IGNORECASE) is not None
 
 
 def names_a_scale(name: str) -> bool:

@@ -17,7 +17,7 @@ from typing import Any, Final, Literal, Self, TypeAlias, TypeVar
 from pydantic import BaseModel, TypeAdapter
 
 from fingerpad._display import Displayed
-from fingerpad._files import digest_of, folded
+from fingerpad._files import digest_of, folded, leads_out
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
 from fingerpad.study.manifest import models
@@ -28,7 +28,7 @@ from fingerpad.study.manifest.sheet import Sheet
 def file_inside(folder: Path, name: str, *, may_be_folder: bool = False) -> Path:
     """Return the path of a file of the study; `ManifestError` if it is not inside its folder."""
     path, home = folder / name, os.path.realpath(folder)
-    if Path(name).is_absolute() or ".." in Path(name).parts:
+    if leads_out(name):
         raise ManifestError(
             f"{name!r} leaves the study folder, or is named from outside it; name the file from the study "
             "folder, without .."

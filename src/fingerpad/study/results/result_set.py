@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from fingerpad._files import content_stamp, digest_of, explain_write_errors, sha256_of
+from fingerpad._files import content_stamp, digest_of, explain_write_errors, leads_out, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.journal import sync_folder, write_synced
@@ -186,6 +186,7 @@ def _listed(folder: Path) -> tuple[dict[str, str], list[str]]:
         return {}, [_DAMAGED]
     # No other line break counts: sha256sum knows none.
     lines = [_LINE.fullmatch(line) for line in text.removesuffix("\n").split("\n")]
-    listed = {line[2]: line[1] for line in lines if line is not None}
+    # Files that the next result set lacks are removed: a list from elsewhere must name none outside.
+    listed = {line[2]: line[1] for line in lines if line is not None and not leads_out(line[2])}
     is_whole = text.endswith("\n") and len(listed) == len(lines) and listed.keys() >= _TABLES
     return listed, [] if is_whole else [_DAMAGED]
