@@ -99,6 +99,16 @@ class FingerAtAngle:
             self.press_std = repeats.area_std
 
     @property
+    def has_modulus(self) -> bool:
+        """Whether a loading curve gives a modulus, for which it needs a radius."""
+        return any(fit.loading_radius.known and fit.reduced_modulus.known for fit in self.fits)
+
+    @property
+    def of_curves(self) -> tuple[str, ...]:
+        """Results that are compared with loading curves at one load; the radius where there is no R_g."""
+        return HEADLINES if self.fits and self.loading is None else (MODULUS, INDENTATION)
+
+    @property
     def no_loading_radius(self) -> str:
         """Why there is no R_g from loading data."""
         return NO_AREAS if self.fits else "no loading data of this finger at this angle"
@@ -402,13 +412,16 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
 
 
 def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
-    """Compare E and ξ with those of the loading curves, at the highest load of both."""
+    """Compare results with those of the loading curves, at the highest load of both.
+
+    Curves without areas have ξ alone: for one area and load E and the radius go with 1/ξ.
+    """
     load, top = case.summary.column("load_N"), min(fit.modulus_load for fit in case.fits)
     under = (load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)
     inside = case.summary.where(case.summary.column("pooled") & under)
     if inside.empty or not case.pad.has_semi_axes:
         why = "no contact under a load of the curves" if case.pad.has_semi_axes else case.nothing
-        yield from (CHECKS[ROUTES[name]].untested(why) for name in (MODULUS, INDENTATION))
+        yield from (CHECKS[ROUTES[name]].untested(why) for name in case.of_curves)
         return
     # Single contacts, and of each sequence the frame at the highest load.
     repeats = inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()]
@@ -424,18 +437,25 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     )
     # The gain of the force is the same in both moduli, and in the load at which the curve is read.
     modulus_std = _without(modulus_std, gain_std * modulus)
-    indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
+    xi, of_xi = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
     # The curve's ξ is read at the contact's load, which is uncertain.
-    of_indentation = log_xi, math.hypot(xi_std, load_std * 2 / 3)
-    for name, value, (log_reference, log_std) in (
-        (MODULUS, (factor * modulus, factor * modulus_std), of_modulus),
-        (INDENTATION, indentation, of_indentation),
-    ):
+    xi_std = math.hypot(xi_std, load_std * 2 / 3)
+    first, spread = repeats.iloc[0], math.hypot(of_xi / xi, xi_std)
+    radius = tuple(first[f"geometric_radius_from_compliance_mm{end}"] for end in ("", "_std"))
+    found = {
+        RADIUS: (radius, (math.nan, math.nan)),
+        MODULUS: ((factor * modulus, factor * modulus_std), of_modulus),
+        INDENTATION: ((xi, of_xi), (log_xi, xi_std)),
+    }
+    for name in case.of_curves:
+        value, (log_reference, log_std) = found[name]
+        note, together = f"at {common:.3g} N", None
         if math.isnan(log_reference):
-            yield CHECKS[ROUTES[name]].untested(f"{NO_AREAS}, which E needs")
-            continue
+            log_reference = math.log(value[0] * xi) - log_xi
+            log_std = math.hypot(xi_std, _without(of_xi / xi, radius[1] / radius[0]))
+            note, together = f"{note}, from area and ξ, so the same comparison as that of ξ", spread
         other = math.exp(log_reference)
-        yield CHECKS[ROUTES[name]].of_ratio(value, (other, other * log_std), note=f"at {common:.3g} N")
+        yield CHECKS[ROUTES[name]].of_ratio(value, (other, other * log_std), log_std=together, note=note)
 
 
 def _mean_of_repeats(rows: pd.DataFrame, column: str, own: FloatArray) -> tuple[float, float]:
@@ -585,14 +605,15 @@ def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
     shape, check = measured_shape(case), CHECKS["shape"]
     found = (
-        _radius_check(case),
+        *(() if RADIUS in case.of_curves else (_radius_check(case),)),
         *(_curve_checks(case) if case.fits else _from_loading_radius(case)),
         check.untested(case.nothing) if shape is None else shape.against(shape.predicted, check),
         *area_checks(case),
         *size_checks(case),
     )
-    # R_g alone makes one comparison of three.
-    return judge_together(found, same=() if case.fits else tuple(ROUTES.values()))
+    # What follows from R_g or from ξ alone is one comparison.
+    alike = () if case.has_modulus else case.of_curves if case.fits else HEADLINES
+    return judge_together(found, same={ROUTES[name] for name in alike})
 
 
 def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
