@@ -229,7 +229,7 @@ def _to_test_better(curves: Sequence[CurveResult], summaries: Iterable[Summary])
             untested[one.finger_and_wedge in fitted][where] = None
     if untested[True]:
         named = joined(untested[True], _MOST_NAMED)
-        yield f"record contact areas along the loading curve of {named}: without them it tests no radius"
+        yield f"record contact areas along the loading curve of {named}: without, only its ξ is compared"
     if untested[False]:
         named = joined(untested[False], _MOST_NAMED)
         yield f"record a loading curve of {named}: no contact image tests its own modulus"

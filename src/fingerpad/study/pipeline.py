@@ -268,18 +268,20 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
     for (press, _), count in Counter((one.press, one.finger_and_wedge) for one in curves).items():
         if press and count > 1:
             yield "{}: press {} is given {} times, and counts once in R_g".format(*press, count)
-    for same, one_press in measured.repeated:
-        names, files = joined(one.name for one in same), joined(dict.fromkeys(one.file or "" for one in same))
-        if one_press:
-            yield (
-                f"{names} are one picture, {files}, which counts once: keep one of them, or say "
-                "by region_of_interest_px which part of it each is"
-            )
-        else:
-            yield (
-                f"{names} are one picture, {files}, of different presses, none of which counts: does it show "
-                "another contact?"
-            )
+    for one_press, words in (
+        (
+            True,
+            "which counts once: keep one, or say by region_of_interest_px which part of it each is",
+        ),
+        (False, "of different presses, none of which counts: does it show another contact?"),
+    ):
+        pictures = [
+            f"{joined(one.name for one in same)} are one picture"
+            for same, of_one_press in measured.repeated
+            if of_one_press == one_press
+        ]
+        if pictures:
+            yield f"{joined(pictures, 2)}, {words}"
 
 
 def _resolution_notes(study: Study, folder: Path) -> Iterator[str]:
