@@ -75,7 +75,8 @@ def test_text_has_the_same_numbers() -> None:
     assert code == 0
     record, _ = run_json(*USUAL, *stds)
     newton = record["newton"]
-    assert f"{value_with_uncertainty(newton['kh_N_per_m3'], newton['kh_N_per_m3_std'])} N/m³" in out
+    kh = value_with_uncertainty(newton["kh_N_per_m3"] / 1e6, newton["kh_N_per_m3_std"] / 1e6)
+    assert f"{kh} MN/m³" in out
     assert "5.7 %" in out
     assert " ".join(f"{number:.6g}" for number in record["mujoco"]["solimp"]) in out
 

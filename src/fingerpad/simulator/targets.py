@@ -114,7 +114,7 @@ class NewtonStiffness(Target):
     @property
     def words(self) -> str:
         """The stiffness with its uncertainty and unit."""
-        return _quantity(self.kh, self.kh_std, "N/m³")
+        return _quantity(self.kh / 1e6, self.kh_std / 1e6, "MN/m³")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -135,7 +135,7 @@ class DrakeModulus(Target):
     @property
     def words(self) -> str:
         """The modulus with its uncertainty and unit."""
-        return _quantity(self.modulus, self.modulus_std, "Pa")
+        return _quantity(self.modulus / 1e3, self.modulus_std / 1e3, "kPa")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
