@@ -55,6 +55,7 @@ class Truth:
     loads: tuple[float, ...] = LOADS
     press_std: float = 0.0  # relative, of the areas of presses under one load
     with_curve: bool = False  # whether the finger has a loading curve, or R_g alone
+    with_areas: bool = True  # whether the curve has areas
     stated_thickness: float | None = None  # what the manifest says of the effective thickness, mm
 
 
@@ -69,10 +70,14 @@ class Pressed(NamedTuple):
 CASES: Final = {
     "Hertz theory": Truth(),
     "Hertz theory, with curve": Truth(with_curve=True),
+    "Hertz theory, with curve without areas": Truth(with_curve=True, with_areas=False),
     "Hertz theory, presses differ by 4.6 %": Truth(press_std=0.046),
     "Hertz theory, two presses that differ so": Truth(press_std=0.046, loads=(0.5, 1.0)),
     "7 mm of tissue over bone": Truth(thickness=7.0, modulus=0.1),
     "7 mm over bone, with curve": Truth(thickness=7.0, modulus=0.1, with_curve=True),
+    "7 mm over bone, with curve without areas": Truth(
+        thickness=7.0, modulus=0.1, with_curve=True, with_areas=False
+    ),
     "4 mm of tissue over bone": Truth(thickness=4.0, modulus=0.1),
     "pad flatter than its photographs by 1.4": Truth(curvature=1.4),
     "the same area at all loads": Truth(area_power=-2 / 3),
@@ -189,8 +194,9 @@ def _curve(
     area = np.concatenate([before, [one.area for one in pressed]]) + rng.normal(0, 0.3, 100)
     depth = depth + rng.normal(0, 0.002, 100)
     record = np.column_stack([np.arange(100) * 0.02, force, depth, np.maximum(area, 0)])
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(folder / "curve.csv", record, delimiter=",", header=header, comments="")
+    names = ["time_s", "force_N", "displacement_mm", *(["area_mm2"] if truth.with_areas else [])]
+    columns = record[:, : len(names)]
+    np.savetxt(folder / "curve.csv", columns, delimiter=",", header=",".join(names), comments="")
     curve = Curve(finger="f", wedge_angle_deg=wedge, file="curve.csv")
     return curve_result(curve, Ellipsoid(*axes), 0.5, folder, scale=None, given=Uncertainty())
 
