@@ -23,6 +23,7 @@ from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import load
 from fingerpad.study.results.load import export_results, read_rows
+from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
 from fingerpad.study.results.table import COLUMNS
 
 
@@ -308,6 +309,25 @@ def test_results_lie_beside_the_manifest(tmp_path):
         fp.load_results(tmp_path)
     with pytest.raises(FingerpadError, match="study.toml: is a file; name the output folder"):
         fp.load_results(tmp_path / "study.toml")
+
+
+def test_a_pad_has_poissons_ratio_of_its_run(tmp_path, monkeypatch):
+    press = contact("press", 2, (6, 5), axis="")
+    run_study(write_study(tmp_path, finger(), press, poisson_ratio=0.3), tmp_path / "out")
+    summary = SummaryFile.read(tmp_path / "out")
+    layer = ThicknessFitRecord.model_construct(
+        thickness_mm=7.0, thickness_mm_std=0.5, youngs_modulus_kpa=40.0, youngs_modulus_kpa_std=4.0
+    )
+    of = {"finger": summary.fingers[0].finger, "wedge_angle_deg": 30.0, "synthetic": False}
+    curve = CurveRecord.model_construct(**of, layer=layer)
+    monkeypatch.setattr(SummaryFile, "read", lambda _: summary.model_copy(update={"curves": [curve]}))
+    pad, other = (
+        load.measured_pad(tmp_path / "out", finger=None, wedge_deg=30, **given)
+        for given in ({}, {"poisson_ratio": 0.5})
+    )
+    assert (float(pad.tissue.youngs_modulus), pad.tissue.poisson_ratio) == (0.04, 0.3)
+    assert other.tissue.poisson_ratio == 0.5  # for which the curve tells no E
+    assert "contact area" in other.source
 
 
 def test_loads_and_angles_in_other_units_are_noted(tmp_path):

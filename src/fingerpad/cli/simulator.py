@@ -35,7 +35,10 @@ def simulator(
         float | None, options.positive("Young's modulus E of the tissue, kPa.", show_default=False)
     ] = None,
     thickness_mm: options.Thickness = None,
-    poisson_ratio: options.PoissonRatio = 0.5,
+    poisson_ratio: Annotated[
+        float | None,
+        Option(min=0, max=0.5, help="Poisson's ratio of the tissue.", show_default="that of the run, or 0.5"),
+    ] = None,
     roll_deg: options.RollAngle = 0.0,
     load_n: Annotated[
         tuple[float, float], Option(help="Lowest and highest load of the range that matters, N.")
@@ -59,7 +62,8 @@ def simulator(
 
     The whole ellipsoid, on deep tissue or on a layer over bone, by fast laws, and by the solver where
     these do not hold. Each number is the one whose load is nearest over the range of loads. Of a finished run
-    the pad is that of a finger, with E and thickness from its loading curve, or from its contact images.
+    the pad is that of a finger, with E and thickness from its loading curve, or from its contact images, and
+    Poisson's ratio that of the run.
     """
     from fingerpad.simulator import elements_or_reason, export_finger
 
@@ -72,7 +76,9 @@ def simulator(
             raise typer.BadParameter(f"give {missing}, or the output folder of a finished run")
         placement = options.placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg)
         tissue = options.tissue_of(
-            youngs_modulus_kpa=youngs_modulus_kpa, poisson_ratio=poisson_ratio, thickness_mm=thickness_mm
+            youngs_modulus_kpa=youngs_modulus_kpa,
+            poisson_ratio=0.5 if poisson_ratio is None else poisson_ratio,
+            thickness_mm=thickness_mm,
         )
         stds = {"youngs_modulus": youngs_modulus_kpa_std / KPA_PER_MPA, "thickness": thickness_mm_std}
         stds |= dict.fromkeys(("palmar", "distal", "radial_ulnar"), semi_axes_mm_std)

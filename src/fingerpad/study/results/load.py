@@ -198,9 +198,13 @@ def measured_pad(
     finger: str | None,
     wedge_deg: float,
     thickness_mm: float | None = None,
-    poisson_ratio: float = 0.5,
+    poisson_ratio: float | None = None,
 ) -> MeasuredPad:
-    """Return a finger at one angle, with E of a loading curve, or of the area at the highest load."""
+    """Return a finger at one angle, with E of a loading curve, or of the area at the highest load.
+
+    Thickness and Poisson's ratio are by default those of the run. Where others are given, E is that of the
+    area: a curve tells it for its own alone.
+    """
     from fingerpad.contact import Tissue
     from fingerpad.image import SEMI_AXES
     from fingerpad.study.measuring.fingers import pad_placement
@@ -208,6 +212,7 @@ def measured_pad(
     require_result_set(folder)
     summary = SummaryFile.read(folder)
     found = _placed(summary, folder, finger, wedge_deg)
+    poisson_ratio = summary.poisson_ratio if poisson_ratio is None else poisson_ratio
     axes = summary.finger(found.finger)
     if axes is None or math.isnan(axes.palmar_mm):
         raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
@@ -221,7 +226,7 @@ def measured_pad(
         == (found.finger, found.wedge_angle_deg, found.synthetic)
         and not math.isnan(curve.layer.thickness_mm + curve.layer.youngs_modulus_kpa)
     ]
-    if layers and thickness_mm is None:
+    if layers and thickness_mm is None and poisson_ratio == summary.poisson_ratio:
         best = min(layers, key=lambda layer: layer.thickness_mm_std / layer.thickness_mm)
         modulus, modulus_std = best.youngs_modulus_kpa, best.youngs_modulus_kpa_std
         thickness, thickness_std = best.thickness_mm, best.thickness_mm_std

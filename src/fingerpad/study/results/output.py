@@ -92,9 +92,10 @@ def _cells(column: pd.Series) -> list[str]:
 
 def summary_of(result: StudyResult) -> summary_file.SummaryFile:
     """Return the content of ``summary.json``."""
-    gain = result.study.uncertainty.load_gain_relative_std
+    gain, poisson_ratio = result.study.uncertainty.load_gain_relative_std, result.study.poisson_ratio
     return summary_file.SummaryFile(
         **({"load_gain_relative_std": gain} if gain else {}),
+        **({"poisson_ratio": poisson_ratio} if poisson_ratio != 0.5 else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
         summaries=list(_placements(result)),

@@ -652,6 +652,7 @@ class SummaryFile(Record):
     load_gain_relative_std: Number = Field(
         default=0.0, description="Relative standard uncertainty of the force's gain, where one is stated."
     )
+    poisson_ratio: float = Field(default=0.5, description="Poisson's ratio of the tissue, where it is not ½.")
     curves: list[CurveRecord] = Field(description="Loading curves.")
     failures: list[str] = Field(description="What failed, and why.")
     methods: MethodsRecord = Field(description="Methods section in words.")
