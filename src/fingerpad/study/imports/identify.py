@@ -1,7 +1,7 @@
 """What new files are: by content and name together, and by a spreadsheet that names them."""
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -175,7 +175,10 @@ def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> File
 def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
     """Join rows to files by name: case, folders, punctuation, and a suffix where one fits, do not matter."""
     files = list(files)
-    whole, stems = _by(files, with_suffix=True), _by(files, with_suffix=False)
+    whole, stems = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
+    for file in files:
+        whole[_key(file, with_suffix=True)].append(file)
+        stems[_key(file, with_suffix=False)].append(file)
     owners: dict[str, list[FileRow]] = {}
     without = []
     for row in table.rows:
@@ -193,13 +196,6 @@ def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
         rows_without_file=sorted(without, key=lambda row: row.line),
         files_without_row=[file for file in files if file not in joined],
     )
-
-
-def _by(files: Iterable[str], *, with_suffix: bool) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for file in files:
-        found.setdefault(_key(file, with_suffix=with_suffix), []).append(file)
-    return found
 
 
 def _key(name: str, *, with_suffix: bool) -> str:

@@ -9,7 +9,7 @@ import os
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal, Self, TypeAlias, TypeVar
@@ -80,11 +80,13 @@ class Table:
     """A table as the manifest or the spreadsheet has it."""
 
     kind: Kind
-    key: str  # its name, of a curve its number from 0; else empty
-    content: dict[str, Any]  # empty for a complete row of a spreadsheet, of which `model` says all
+    key: str = ""  # its name, of a curve its number from 0
+    content: dict[str, Any] = field(
+        default_factory=dict
+    )  # of a complete row of a spreadsheet `model` says all
     file: str
     line: int = 0  # of a row of a spreadsheet
-    key_path: str  # in the manifest, empty in a spreadsheet
+    key_path: str = ""  # in the manifest
     faults: tuple[Fault, ...] = ()
     model: models.ManifestModel | None = None  # where its values are right
     complete: bool = False  # without faults, and not waiting for a finger or a scale
@@ -233,7 +235,7 @@ class LoadedStudy(Displayed):
     def empty(cls, folder: Path, faults: Iterable[str] = ()) -> Self:
         """Return a study without anything in it, and what is wrong with its manifest."""
         wrong = tuple(Fault("", words) for words in faults)
-        damage = Table(kind="study", key="", content={}, file="", key_path="", faults=wrong)
+        damage = Table(kind="study", file="", faults=wrong)
         study, tables = models.Study(title=folder.absolute().name), (damage,) if wrong else ()
         return cls(folder=folder, digests={}, study=study, tables=tables, issues=tuple(damage.lines))
 
@@ -328,9 +330,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
             tables = chain(tables, _rows(Sheet(top.observations_csv, rows)))
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
-            wrong.append(
-                Table(kind="study", key="", content={}, file=path.name, key_path="", faults=(fault,))
-            )
+            wrong.append(Table(kind="study", file=path.name, faults=(fault,)))
     check = TableChecks(path.parent, top.surface)
     found = (*wrong, *map(check.checked, tables))
     lists: dict[str, Any] = {name: [] for name in LISTS.values()}
@@ -380,9 +380,7 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[models.Study, l
         content = document.get(kind, {}) if place else {k: v for k, v in document.items() if k not in TABLES}
         _, faults = checked(MODELS[kind], content, strict=True)
         if faults:
-            wrong.append(
-                Table(kind=kind, key="", content=content, file=path.name, key_path=place, faults=faults)
-            )
+            wrong.append(Table(kind=kind, content=content, file=path.name, key_path=place, faults=faults))
         bad = {fault.key_path for fault in faults}
         found[kind] = {key: of for key, of in content.items() if key in model.model_fields and key not in bad}
     sections: dict[str, Any] = {name: model(**found[name]) for name, model in SECTIONS.items()}
@@ -408,6 +406,5 @@ def _rows(sheet: Sheet) -> Iterator[Table]:
             content=content,
             file=sheet.name,
             line=line,
-            key_path="",
             faults=faults,
         )

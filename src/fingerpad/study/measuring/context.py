@@ -5,6 +5,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
@@ -122,12 +123,10 @@ def grid_of(table: models.GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
 
 
 # What of a contact's table changes nothing in what is measured on its picture.
-_NOT_MEASURED: Final = frozenset(
-    (
-        *("finger", "wedge_angle_deg", "roll_angle_deg", "load_N"),
-        *("session", "notes", "scale", "pool_min_load_N"),
-    )
-)
+_NOT_MEASURED: Final = {
+    *("finger", "wedge_angle_deg", "roll_angle_deg", "load_N"),
+    *("session", "notes", "scale", "pool_min_load_N"),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -167,7 +166,7 @@ class RunContext:
 
     def key(self, table: models.ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what a table of the manifest says, but for the keys of `leave_out`, and more."""
-        parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
+        parameters = table.model_dump(mode="json", exclude=_NOT_MEASURED | leave_out)
         key = getattr(table, "scale", None)
         name = key if isinstance(key, str) else None
         of = key if name is None else self.study.scales[name]
@@ -187,7 +186,7 @@ class RunContext:
 TableOf = TypeVar("TableOf", bound=models.ManifestModel)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Item(ABC, Generic[TableOf]):
     """Something of a study that is measured on its own and counts as one."""
 
@@ -195,7 +194,6 @@ class Item(ABC, Generic[TableOf]):
     name: str  # in the store, in corrections, and in the progress of a run
 
     table: TableOf  # what the manifest says of it
-    _found_key: str = field(default="", init=False, repr=False)
 
     @property
     def file(self) -> str:
@@ -218,14 +216,9 @@ class Item(ABC, Generic[TableOf]):
         """Number of pictures or frames by which it advances the run."""
         return 1
 
-    @property
+    @cached_property
     def key(self) -> str:
-        """Digest of all that its result depends on, found once."""
-        if not self._found_key:
-            object.__setattr__(self, "_found_key", self._key())
-        return self._found_key
-
-    def _key(self) -> str:
+        """Digest of all that its result depends on."""
         return self.context.key(self.table, self.context.edits(self.name))
 
     @abstractmethod

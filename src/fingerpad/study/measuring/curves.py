@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -84,7 +84,9 @@ class CurveItem(OneTaskItem[Curve]):
     finger: Finger
     photographs: Sequence[PhotographItem]  # needed before the curve is compared with the pad
 
-    def _key(self) -> str:
+    @cached_property
+    def key(self) -> str:
+        """Digest of all that its result depends on, the shape of the pad among it."""
         context, pad = self.context, self.finger
         faces = [
             (photograph.face, context.key(photograph, context.edits(item), context.is_rejected(item)))

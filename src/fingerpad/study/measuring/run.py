@@ -1,6 +1,6 @@
 """Everything that a study measures: its items, measured or found again in the store."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
@@ -118,18 +118,37 @@ def resolve_scales(context: RunContext, perform: Perform) -> dict[str, FoundScal
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measured:
-    """What was measured of a study."""
+    """What was measured of a study; to go through it gives its contacts, in the manifest's order.
+
+    They are read from the store each time, and held is one at a time.
+    """
 
     items: StudyItems
     progress: Progress
     fingers: dict[str, FingerResult]
     sequences: list[SequenceResult]
     curves: list[CurveResult]
-    # In the manifest's order; read from the store each time that it is gone through.
-    contacts: Iterable[tuple[Contact, Measurement]]
     # Observations that show one part of one picture, and whether they state one press.
     repeated: list[tuple[list[Observation], bool]]
     operator_pairs: list[OperatorPair] = field(default_factory=list)
+
+    def __length_hint__(self) -> int:
+        """Return how many contacts they may be: not every frame shows one."""
+        frames = (1 if one.summary is None else one.summary.count for one in self.sequences)
+        return len(self.items.observations) + sum(frames)
+
+    def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
+        repeated = {
+            one.name for same, one_press in self.repeated for one in (same[1:] if one_press else same)
+        }
+        for item in self.items.observations:
+            measured = item.result()
+            if item.name in repeated:
+                measured = replace(measured, flags=(*measured.flags, REPEATED_PICTURE))
+            yield item.table, measured
+        for sequence in self.sequences:
+            for measured in sequence_measurements(sequence, self.items.context):
+                yield sequence.manifest, measured
 
 
 def measure_study(
@@ -166,19 +185,16 @@ def measure_study(
     left = (one for one in items.sequences if one.name not in done)
     on_progress(progress)
     run_plans(items.plans(left), executor, store_result, is_done)
-    sequences = [one.result() for one in items.sequences]
     curves = zip(items.curves, context.study.curves, strict=True)
-    repeated = list(repeated_pictures(context))
     return Measured(
         items=items,
         progress=progress,
         fingers={
             one.name: pad_of(one, items.photographs[one.name], context) for one in context.study.fingers
         },
-        sequences=sequences,
+        sequences=[one.result() for one in items.sequences],
         curves=[given_curve(curve) if item is None else item.result() for item, curve in curves],
-        contacts=_Contacts(items, sequences, repeated),
-        repeated=repeated,
+        repeated=list(repeated_pictures(context)),
         operator_pairs=operator_pairs(context, perform),
     )
 
@@ -197,30 +213,3 @@ def _progress_of(
             failed += status.status == "failed"
             done.add(item.name)
     return Progress(pictures=pictures, failed=failed, total=total), done
-
-
-@dataclass(frozen=True, slots=True)
-class _Contacts:
-    """What was measured of each contact; held is one at a time."""
-
-    items: StudyItems
-    sequences: Sequence[SequenceResult]
-    repeated: list[tuple[list[Observation], bool]]
-
-    def __length_hint__(self) -> int:
-        """Return how many they may be: not every frame shows a contact."""
-        frames = (1 if one.summary is None else one.summary.count for one in self.sequences)
-        return len(self.items.observations) + sum(frames)
-
-    def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
-        repeated = {
-            one.name for same, one_press in self.repeated for one in (same[1:] if one_press else same)
-        }
-        for item in self.items.observations:
-            measured = item.result()
-            if item.name in repeated:
-                measured = replace(measured, flags=(*measured.flags, REPEATED_PICTURE))
-            yield item.table, measured
-        for sequence in self.sequences:
-            for measured in sequence_measurements(sequence, self.items.context):
-                yield sequence.manifest, measured

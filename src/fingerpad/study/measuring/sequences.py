@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -99,17 +99,21 @@ class SequenceImages:
     ) -> Record:
         """Measure the frames of a piece."""
         measured: dict[int, Measurement] = {}
-        corrected: dict[int, apply.CorrectedContactImage] = {}
+        corrected: dict[int, str | None] = {}  # why a frame that a person corrected shows no contact
         digests: dict[int, str] = {}
 
         def keep(index: int, _: object, contact_image: image.ContactImageResult) -> None:
-            measured[index] = self._measured(contact_image)
+            if index not in corrected:
+                measured[index] = self._measured(contact_image)
 
         def seen(frames: Iterator[image.Frame]) -> Iterator[image.Frame]:
             for frame in frames:
                 digests[frame.index] = frame.digest
                 if frame.index in self.corrections and frame.pixels is not None:
-                    corrected[frame.index] = self._corrected(frame, settings, folder)
+                    one = self._corrected(frame, settings, folder)
+                    corrected[frame.index] = one.reason
+                    if one.contact_image is not None:
+                        measured[frame.index] = with_automatic_axes(self._measured(one.contact_image), one)
                 yield frame
 
         options = apply.contact_options(self.sequence, folder)
@@ -117,12 +121,7 @@ class SequenceImages:
             results = list(
                 image.measure_frames(seen(frames), self.found.scale, settings, watch=keep, **options)
             )
-        reasons = {result.index: result.reason for result in results}
-        for index, one in corrected.items():
-            reasons[index] = one.reason
-            measured.pop(index, None)
-            if one.contact_image is not None:
-                measured[index] = with_automatic_axes(self._measured(one.contact_image), one)
+        reasons = {result.index: result.reason for result in results} | corrected
         return {
             "frames": [
                 {
@@ -407,7 +406,9 @@ class SequenceItem(Item[ContactSequence]):
             return 1
         return int(record["header"]["count"]) if "header" in record else 1
 
-    def _key(self) -> str:
+    @cached_property
+    def key(self) -> str:
+        """Digest of all that its result depends on, corrections of its frames among it."""
         return self.context.key(
             self.table,
             apply.frame_edits(self.context.active_corrections, self.name),

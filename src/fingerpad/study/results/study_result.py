@@ -217,8 +217,8 @@ def result_of(
 ) -> StudyResult:
     """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
     study = measured.items.context.study
-    repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
-    rows = Rows(study, measured.fingers, measured.contacts, repeatability)
+    repeatability = contact_repeatability(study, measured.fingers, measured)
+    rows = Rows(study, measured.fingers, measured, repeatability)
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
     validities = validity_of(
