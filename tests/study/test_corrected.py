@@ -30,9 +30,9 @@ from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import ContactSequence, Observation
+from fingerpad.study.measuring.contacts import blind_order
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_of

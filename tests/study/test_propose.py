@@ -7,19 +7,19 @@ from tests.image.ruler_scenes import KINDS, ruler_scene
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
-from fingerpad.study.editing.propose import (
+from fingerpad.study.imports.identify import Guess, GuessedScale
+from fingerpad.study.manifest.load import LoadedStudy, load_study
+from fingerpad.study.manifest.models import Study
+from fingerpad.study.new_files import (
     NewFile,
     named_file,
     proposed_edits,
+    start_study,
     stated_values,
     with_guess,
     with_scales,
     written_scale,
 )
-from fingerpad.study.from_files import start_study
-from fingerpad.study.imports.identify import Guess, GuessedScale
-from fingerpad.study.manifest.load import LoadedStudy, load_study
-from fingerpad.study.manifest.models import Study
 
 
 def empty(tmp_path, *, tables=()):

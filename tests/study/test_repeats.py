@@ -19,7 +19,6 @@ from fingerpad.report.text import presses_unlike_repeats
 from fingerpad.study.manifest.models import Contact, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.pooling import Exponent, area_exponent, pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import Rows
@@ -273,7 +272,7 @@ def test_limits_of_agreement_add_what_lies_within():
     ]
     rows = modelled(*seen).table
     found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "contact_area")
-    lines = {line.level: line for line in scatter_record(found).levels}
+    lines = {line.level: line for line in found.levels}
     repeat, session = lines["repeat"], lines["session"]
     assert repeat.log_limit_of_agreement == pytest.approx(1.96 * np.sqrt(2) * repeat.log_std, rel=1e-4)
     both = np.hypot(repeat.log_std, session.log_std)
@@ -292,7 +291,7 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter():
     def ridge_scatter(some: list[Any]) -> Any:
         rows = modelled(*some).table
         found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "ridge_area")
-        return scatter_record(found).model_dump_json()
+        return found.model_dump_json()
 
     assert ridge_scatter(seen + merged) == ridge_scatter(seen)
     areas_of_all = modelled(*seen, *merged).table["ridge_area_mm2"].to_numpy()

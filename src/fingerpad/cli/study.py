@@ -69,8 +69,8 @@ def init(
 
 def _begin(folder: Path, **of_files: Any) -> None:
     """Write the manifest of the files in a folder, and say what is taken, guessed and not known."""
-    from fingerpad.study.from_files import start_study
     from fingerpad.study.manifest.load import STUDY_NAME
+    from fingerpad.study.new_files import start_study
 
     found, manifest = start_study(folder, **of_files), folder / STUDY_NAME
     lacking = [": ".join(filter(None, (f"{one.kind} {one.key}".strip(), one.words))) for one in found.missing]

@@ -23,8 +23,8 @@ from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
+from fingerpad.study.measuring.contacts import QUANTITY_WORDS
 from fingerpad.study.measuring.curves import loading_radius
-from fingerpad.study.measuring.operators import QUANTITY_WORDS
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import Answer, answers_of
 from fingerpad.study.results.pooling import Summary, area_exponent

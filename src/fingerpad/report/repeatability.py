@@ -1,12 +1,13 @@
 """What the report says of repeats: how quantities scatter, and what each load's mean is uncertain by."""
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 from fingerpad._rounding import two_digits
-from fingerpad.study.results.repeats import LEVELS, SCATTER_OF, StudyScatter
+from fingerpad.study.results.repeats import LEVELS, SCATTER_OF
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.uncertainty import ScatterComponent
+from fingerpad.study.results.summary_file import ScatterLevelRecord, ScatterRecord
 from fingerpad.uncertainty.repeats import SAME_LOAD, ContactRepeatability
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR, REPEAT
 
@@ -45,44 +46,42 @@ def percent(share: float) -> str:
 
 def _kind(result: StudyResult, synthetic: bool) -> dict[str, Any]:
     found = result.repeatability[synthetic]
-    known = [
-        one for one in result.scatter if one.synthetic == synthetic and one.scatter.components[REPEAT].known
+    every = [
+        (one, {of.level: of for of in one.levels}) for one in result.scatter if one.synthetic == synthetic
     ]
-    unknown = (
-        level
-        for level in _OUTWARDS
-        if level != REPEAT and not any(one.scatter.components[level].known for one in known)
-    )
+    known = [(one, levels) for one, levels in every if not math.isnan(levels[REPEAT].log_std)]
+    unknown = (level for level in _OUTWARDS if all(math.isnan(of[level].log_std) for _, of in known))
     return {
         "synthetic": synthetic,
         "missing": found.missing,
         "borrowed": borrowed(found) if found.known else "",
         "levels": [LEVELS[level] for level in _OUTWARDS],
-        "lines": [_line(one) for one in known],
-        "left_out": [LEVELS[level] for level in unknown],
+        "lines": [_line(one, levels) for one, levels in known],
+        "left_out": [LEVELS[level] for level in unknown if level != REPEAT],
     }
 
 
-def _line(one: StudyScatter) -> dict[str, Any]:
-    scatter, repeat = one.scatter, one.scatter.components[REPEAT]
-    low, high = scatter.icc_interval
+def _line(one: ScatterRecord, levels: Mapping[str, ScatterLevelRecord]) -> dict[str, Any]:
+    repeat, (low, high) = levels[REPEAT], one.icc_ci95
+    ends = repeat.log_std_ci95_low, repeat.log_std_ci95_high
     return {
         "quantity": SCATTER_OF[one.quantity],
-        "cells": [_cell(scatter.components[level], one.missing.get(level, "")) for level in _OUTWARDS],
-        "limit": percent(math.expm1(repeat.limit_of_agreement)),
-        "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in repeat.interval)),
-        "icc": f"{scatter.icc:.2f} ({low:.2f} to {high:.2f})" if math.isfinite(scatter.icc) else "missing",
+        "cells": [_cell(levels[level]) for level in _OUTWARDS],
+        "limit": percent(math.expm1(LIMIT_FACTOR * repeat.log_std)),
+        "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in ends)),
+        "icc": f"{one.icc:.2f} ({low:.2f} to {high:.2f})" if math.isfinite(one.icc) else "missing",
     }
 
 
-def _cell(one: ScatterComponent, missing: str) -> dict[str, str]:
-    if not one.known:
-        return {"text": "missing", "small": missing}
+def _cell(one: ScatterLevelRecord) -> dict[str, str]:
+    if math.isnan(one.log_std):
+        return {"text": "missing", "small": one.missing}
     groups = f"{one.groups} group{'s' if one.groups > 1 else ''}"
-    with_those = f", with those {' and '.join(LEVELS[each] for each in one.includes)}" if one.includes else ""
+    those = " and ".join(LEVELS[each] for each in one.includes.split())
+    interval = _range(one.log_std_ci95_low, one.log_std_ci95_high)
     return {
-        "text": percent(one.std),
-        "small": f"95 %: {_range(*one.interval)}; {one.count} in {groups}{with_those}",
+        "text": percent(one.log_std),
+        "small": f"95 %: {interval}; {one.count} in {groups}{those and f', with those {those}'}",
     }
 
 

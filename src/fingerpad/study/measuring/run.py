@@ -21,6 +21,8 @@ from fingerpad.study.measuring.contacts import (
     REPEATED_PICTURE,
     Measurement,
     ObservationItem,
+    OperatorPair,
+    operator_pairs,
     repeated_pictures,
 )
 from fingerpad.study.measuring.context import (
@@ -34,7 +36,6 @@ from fingerpad.study.measuring.context import (
 )
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
 from fingerpad.study.measuring.fingers import FingerResult, pad_of, photograph_items
-from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
     SequenceResult,

@@ -24,11 +24,9 @@ from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, unit_of
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, area_exponent
-from fingerpad.study.results.repeats import StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
 from fingerpad.study.results.validity import model_checks
-from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
 def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -> None:
@@ -112,7 +110,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
                 for synthetic, one in result.repeatability.items()
                 if (result.rows["synthetic"].to_numpy() == synthetic).any()
             ],
-            scatter=[scatter_record(one) for one in result.scatter],
+            scatter=result.scatter,
         ),
         second_operator=result.operators,
         by_load=result.by_load,
@@ -249,37 +247,6 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
         f"{name}_{unit}_std": quantity and quantity.std,
         f"{name}_variance_shares": quantity and quantity.budget,
     }
-
-
-def scatter_record(one: StudyScatter) -> summary_file.ScatterRecord:
-    """Return how a quantity scatters, by level.
-
-    The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
-    session, of two sessions, and so on, with what lies between all levels below.
-    """
-    components = one.scatter.components
-    outwards = np.array([level.std for level in reversed(components.values())])
-    limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
-    return summary_file.ScatterRecord.of(
-        one,
-        icc=one.scatter.icc,
-        icc_ci95=one.scatter.icc_interval,
-        levels=[
-            summary_file.ScatterLevelRecord.of(
-                one,
-                found,
-                level=level,
-                log_std=found.std,
-                log_std_ci95_low=found.interval[0],
-                log_std_ci95_high=found.interval[1],
-                log_limit_of_agreement=limit if found.known else None,
-                degrees_of_freedom=found.freedom,
-                includes=" ".join(found.includes),
-                missing=one.missing.get(level, ""),
-            )
-            for (level, found), limit in zip(components.items(), limits.tolist(), strict=True)
-        ],
-    )
 
 
 def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.SequenceRecord:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice, takewhile
 from types import MappingProxyType
@@ -23,7 +22,14 @@ from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
 from fingerpad.study.results.pooling import area_noise
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary_file import PLACEMENT, AtLoadRecord, PlacementKey, ValidityRecord
+from fingerpad.study.results.summary_file import (
+    PLACEMENT,
+    AtLoadRecord,
+    PlacementKey,
+    ScatterLevelRecord,
+    ScatterRecord,
+    ValidityRecord,
+)
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
 from fingerpad.study.results.validity.checks import PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
@@ -31,7 +37,7 @@ from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatte
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 from fingerpad.uncertainty.quantities import evaluate
 from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads, too_few_repeats
-from fingerpad.uncertainty.scatter import MIN_LEVEL_FREEDOM, REPEAT
+from fingerpad.uncertainty.scatter import LIMIT_FACTOR, MIN_LEVEL_FREEDOM, REPEAT
 from fingerpad.units import KPA_PER_MPA
 
 # Columns of which the scatter is stated, each as the standard deviation of its logarithm.
@@ -141,17 +147,7 @@ class _Repeats:
         return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StudyScatter:
-    """How a quantity scatters over a study's contacts, on the scale of its logarithm."""
-
-    quantity: str  # one of `SCATTER_OF`
-    synthetic: bool  # whether it is of rendered contacts
-    scatter: NestedScatter
-    missing: dict[str, str]  # why a level is not known, in words
-
-
-def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
+def study_scatter(study: Study, table: pd.DataFrame) -> list[ScatterRecord]:
     """Return the scatter of each quantity over the contacts that count; frames repeat nothing."""
     # Not all columns: a copy of them is as large as everything else that a run holds.
     rows = table[["finger", "session", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
@@ -166,7 +162,12 @@ def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
 
 def _scatter(
     quantity: str, synthetic: bool, rows: pd.DataFrame, persons: Mapping[str, str | None]
-) -> StudyScatter:
+) -> ScatterRecord:
+    """Return how a quantity scatters, by level.
+
+    The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
+    session, of two sessions, and so on, with what lies between all levels below.
+    """
     values = contact_quantity(rows, quantity)
     usable = np.isfinite(values) & (values > 0)
     rows, values = rows[usable], values[usable]
@@ -180,12 +181,30 @@ def _scatter(
     condition = conditions_of(placed, rows["load_N"].to_numpy())
     scatter = nested_scatter(np.log(values), levels, condition, _BETWEEN)
     named = {"person": any(persons[name] for name in fingers), "session": any(sessions), "finger": True}
-    missing = {
-        level: _why_missing(level, one, named=named.get(level, True), scatter=scatter)
-        for level, one in scatter.components.items()
-        if not one.known
-    }
-    return StudyScatter(quantity=quantity, synthetic=synthetic, scatter=scatter, missing=missing)
+    outwards = np.array([one.std for one in reversed(scatter.components.values())])
+    limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
+    return ScatterRecord(
+        quantity=quantity,
+        synthetic=synthetic,
+        icc=scatter.icc,
+        icc_ci95=scatter.icc_interval,
+        levels=[
+            ScatterLevelRecord.of(
+                one,
+                quantity=quantity,
+                synthetic=synthetic,
+                level=level,
+                log_std=one.std,
+                log_std_ci95_low=one.interval[0],
+                log_std_ci95_high=one.interval[1],
+                log_limit_of_agreement=limit if one.known else None,
+                degrees_of_freedom=one.freedom,
+                includes=" ".join(one.includes),
+                missing=_why_missing(level, one, named=named.get(level, True), scatter=scatter),
+            )
+            for (level, one), limit in zip(scatter.components.items(), limits.tolist(), strict=True)
+        ],
+    )
 
 
 def unlike_repeats(
@@ -272,6 +291,8 @@ def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
 
 def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: NestedScatter) -> str:
     repeat = scatter.components[REPEAT]
+    if one.known:
+        return ""
     if level == REPEAT:
         return too_few_repeats(one.groups, one.freedom)
     if not repeat.known:
@@ -308,7 +329,7 @@ def _mean(
     *,
     freedom: float,
     sessions: int,
-    scatter: ScatterComponent | None,
+    scatter: ScatterLevelRecord | None,
     model: float = math.nan,
 ) -> dict[str, Any]:
     """Return the geometric mean of `name` over contacts of one finger under one load, by keys of a record.
@@ -334,11 +355,11 @@ def _mean(
         float(np.sqrt(np.sum(relative[part] ** 2)) / count) for part in ("noise", "repeatability")
     )
     edge = float(np.mean(relative["edge"]))
-    session = scatter.std / math.sqrt(sessions) if scatter is not None else math.nan
+    session = scatter.log_std / math.sqrt(sessions) if scatter is not None else math.nan
     own, between, shared = math.hypot(noise, repeat), np.nan_to_num(session), math.hypot(edge, other)
     half = math.hypot(
         _quantile(freedom) * own,
-        _quantile(scatter.freedom if scatter is not None else math.inf) * between,
+        _quantile(scatter.degrees_of_freedom if scatter is not None else math.inf) * between,
         NORMAL_97_5 * shared,
         NORMAL_97_5 * math.log1p(np.nan_to_num(model)),
     )
@@ -358,12 +379,12 @@ def _quantile(freedom: float) -> float:
 def pool_by_load(
     rows: Rows,
     repeatability: Mapping[bool, ContactRepeatability],
-    scatter: Sequence[StudyScatter] = (),
+    scatter: Sequence[ScatterRecord] = (),
     validities: Mapping[PlacementKey, ValidityRecord] = MappingProxyType({}),
 ) -> list[AtLoadRecord]:
     """Pool the contacts that count for each finger, placement and nominal load; frames are left out."""
-    sessions = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
-    between = {key: session for key, session in sessions.items() if session.known}
+    levels = [level for one in scatter for level in one.levels if level.level == "session"]
+    between = {(one.quantity, one.synthetic): one for one in levels if not math.isnan(one.log_std)}
     counts = rows.table["pooled"] & rows.table["frame"].isna()
     table = rows.table[list(_COLUMNS)]
     table = table[counts & (table["load_N"] > 0)]
@@ -392,7 +413,7 @@ def _at_load(
     *,
     repeatability: ContactRepeatability,
     validity: ValidityRecord | None,
-    between: Mapping[tuple[str, bool], ScatterComponent],
+    between: Mapping[tuple[str, bool], ScatterLevelRecord],
 ) -> AtLoadRecord:
     count, synthetic = len(set(items(rows["session"]))), bool(key[-1])
     freedom = float(repeatability.freedom) if repeatability.known else math.inf

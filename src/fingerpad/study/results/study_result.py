@@ -18,15 +18,15 @@ from fingerpad._words import counted
 from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest.models import Study
+from fingerpad.study.measuring.contacts import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.context import FoundScale
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.operators import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
 from fingerpad.study.results.pooling import Summary, pool_contacts
-from fingerpad.study.results.repeats import StudyScatter, contact_repeatability, pool_by_load, study_scatter
+from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.table import groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
@@ -86,7 +86,7 @@ class StudyResult(Displayed):
     checks: list[summary_file.UncertaintyCheckRecord | None]
     # what repeats tell of one impression: of a real contact (False), of a synthetic one (True)
     repeatability: dict[bool, ContactRepeatability]
-    scatter: list[StudyScatter]  # how each quantity scatters between repeats, sessions, fingers and persons
+    scatter: list[summary_file.ScatterRecord]  # of each quantity between repeats, sessions, fingers, persons
     by_load: list[summary_file.AtLoadRecord]  # area and modulus of each finger at each load
     validities: list[summary_file.ValidityRecord]  # whether the model holds in each summary
     curves: list[CurveResult]

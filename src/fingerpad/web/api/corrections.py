@@ -18,7 +18,7 @@ from fingerpad.study.corrections.log import (
     similar_images,
     with_settings_of,
 )
-from fingerpad.study.measuring.operators import blind_order
+from fingerpad.study.measuring.contacts import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, Review, review_of
 from fingerpad.web.api.base import Body, Item, Opened, Params, router

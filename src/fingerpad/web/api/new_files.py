@@ -6,15 +6,6 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field
 
-from fingerpad.study.editing.propose import (
-    NewFile,
-    Proposal,
-    StatedValues,
-    proposed_edits,
-    stated_values,
-    with_scales,
-    written_scale,
-)
 from fingerpad.study.imports.identify import (
     FileColumn,
     FileRow,
@@ -25,6 +16,15 @@ from fingerpad.study.imports.identify import (
     read_file_table,
 )
 from fingerpad.study.imports.names import FileValues, match_file_names
+from fingerpad.study.new_files import (
+    NewFile,
+    Proposal,
+    StatedValues,
+    proposed_edits,
+    stated_values,
+    with_scales,
+    written_scale,
+)
 from fingerpad.web.answers import Answer, RequestError
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
 from fingerpad.web.pictures import Cache, ImageLocation

@@ -17,7 +17,6 @@ from fingerpad.image import Face
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, is_rejected
-from fingerpad.study.editing.propose import NewFile, named_file
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import MEASUREMENT_VERSIONS
 from fingerpad.study.imports.identify import kind_of_file
@@ -27,6 +26,7 @@ from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
+from fingerpad.study.new_files import NewFile, named_file
 from fingerpad.study.results.table import Row, records
 from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Axis, Quantity, Review, Status, review_of, semi_axes

@@ -15,10 +15,10 @@ import fingerpad
 from fingerpad.image import Face
 from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.editing.edit import Edit, create_study, title_of
-from fingerpad.study.editing.propose import CARD, COINS, SCALE_WAYS, TAKES, USES, KnownSize, ScaleWay
 from fingerpad.study.editing.template import write_example
 from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Use
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.new_files import CARD, COINS, SCALE_WAYS, TAKES, USES, KnownSize, ScaleWay
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, RequestError
