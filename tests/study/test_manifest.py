@@ -221,6 +221,20 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path, encodin
     assert row.notes == "größer, als 1,5 N"
 
 
+def test_the_unknown_columns_of_a_force_are_named(tmp_path):
+    study = write_study(
+        tmp_path, finger("f"), sequence("s", "frames.tif", force="kraft.csv", scale={"ppi": 500})
+    )
+    (tmp_path / "frames.tif").touch()
+    (tmp_path / "kraft.csv").write_text("t,Kanal (mN)\n0,0\n1,500\n")
+    (found,) = missing(load_study(study))
+    assert (found.kind, found.place) == ("sequence", "force_columns")
+    columns = found.proposed
+    edit = Edit(kind="sequence", key=found.key, set={found.place: columns})
+    assert change_study(tmp_path, [edit], expected=load_study(study).digest)
+    assert missing(load_study(study)) == []
+
+
 def test_the_unknown_columns_of_a_curve_are_named_with_the_key_that_tells_them(tmp_path):
     study = write_study(tmp_path, finger("f"), curve(file="c.csv"))
     (tmp_path / "c.csv").write_text("Kanal1,Kanal2 (mm)\n0,0\n1,0.5\n2,0.9\n", encoding="utf-8")

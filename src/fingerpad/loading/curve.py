@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, set_fields
-from fingerpad._columns import read_columns, require_columns, unread_columns
+from fingerpad._columns import read_columns, unread_columns
 from fingerpad._display import Displayed
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
@@ -30,7 +31,8 @@ _SMOOTHING = 50
 _NEAR_CONTACT = 0.1
 # A press is taken to last so many times as long as its way in.
 _PRESS = 4
-_REQUIRED, _OPTIONAL = ("force", "displacement"), ("area", "time")
+# Required, and optional.
+CURVE_COLUMNS: Final = (("force", "displacement"), ("area", "time"))
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -170,7 +172,7 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
     array([0.  , 0.25])
     """
     path = Path(path)
-    found = read_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
+    found = read_columns(path, *CURVE_COLUMNS, columns=columns)
     try:
         return LoadingCurve(
             load=found["force"],
@@ -182,14 +184,9 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
         raise LoadingError(f"{path}: {error}") from error
 
 
-def require_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -> None:
-    """Raise what `read_loading_curve` raises of a file's header."""
-    require_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
-
-
 def unread_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:
     """Return the columns that `read_loading_curve` leaves alone, and that may be an area or a time."""
-    return unread_columns(path, (*_REQUIRED, *_OPTIONAL), columns)
+    return unread_columns(path, sum(CURVE_COLUMNS, ()), columns)
 
 
 # --- the presses of a record, from the platen's motion ---

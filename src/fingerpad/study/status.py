@@ -9,19 +9,20 @@ from functools import lru_cache, partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
-from fingerpad._columns import ColumnsError, columns_in_toml, named_columns
+from fingerpad._columns import ColumnsError, columns_in_toml, named_columns, require_columns
 from fingerpad._files import digest_of
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES, SEMI_AXES
+from fingerpad.image.sequence.force import FORCE_COLUMNS
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
-from fingerpad.loading.curve import require_curve_columns
+from fingerpad.loading.curve import CURVE_COLUMNS
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.imports.identify import USABLE_SUFFIXES
 from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
-from fingerpad.study.manifest.models import Curve, Fault, Finger
+from fingerpad.study.manifest.models import ContactSequence, Curve, Fault, Finger
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems, item_of
@@ -269,25 +270,35 @@ def _lacking(one: Table, fault: Fault) -> Missing:
 
 
 def _lacking_columns(loaded: LoadedStudy) -> Iterator[Missing]:
+    """Yield which curves and forces have columns that are not known."""
     for one in loaded.tables:
-        curve = one.model
-        if one.complete and isinstance(curve, Curve) and curve.file is not None:
-            path = loaded.folder / curve.file
-            columns = tuple((str(name), column) for name, column in curve.file_columns.items())
-            with suppress(OSError):
-                words, proposed = _columns_fault(path, path.stat().st_mtime_ns, columns)
-                if words:
-                    place = "file_columns"
-                    yield Missing(kind="curve", key=one.key, words=words, place=place, proposed=proposed)
+        match one.model:
+            case Curve(file=str(file), file_columns=stated) if one.complete:
+                place, known = "file_columns", CURVE_COLUMNS
+            case ContactSequence(force=file, force_columns=stated) if one.complete:
+                place, known = "force_columns", FORCE_COLUMNS
+            case _:
+                continue
+        path, columns = loaded.folder / file, tuple((str(name), column) for name, column in stated.items())
+        with suppress(OSError):
+            words, proposed = _columns_fault(path, path.stat().st_mtime_ns, place, known, columns)
+            if words:
+                yield Missing(kind=one.kind, key=one.key, words=words, place=place, proposed=proposed)
 
 
 @lru_cache(maxsize=1000)  # a study is looked at after each edit
-def _columns_fault(path: Path, _changed_ns: int, columns: tuple[tuple[str, str], ...]) -> tuple[str, str]:
-    """Return which columns a curve lacks, with the way out, and what names them; empty for none."""
+def _columns_fault(
+    path: Path,
+    _changed_ns: int,
+    place: str,
+    known: tuple[tuple[str, ...], tuple[str, ...]],
+    columns: tuple[tuple[str, str], ...],
+) -> tuple[str, str]:
+    """Return which columns a table lacks, with the way out, and what names them; empty for none."""
     try:
-        require_curve_columns(path, dict(columns))
+        require_columns(path, *known, columns=dict(columns))
     except ColumnsError as error:
-        words = error.with_way_out(partial(columns_in_toml, "file_columns")).removeprefix(f"{path}: ")
+        words = error.with_way_out(partial(columns_in_toml, place)).removeprefix(f"{path}: ")
         named = dict(columns) | {name: choices[0] for name, choices in error.proposed.items()}
         return words, named_columns(named)
     except (FingerpadError, OSError):  # said by the run

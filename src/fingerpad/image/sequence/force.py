@@ -37,7 +37,8 @@ _LEAST_ZERO: Final = 0.005  # of the largest load; it is more
 _LEAST_CONTACT: Final = 0.05  # of the range above the lowest values; a hold is further up
 _SEEN_OF_LARGEST: Final = 0.05  # of the largest area; such a touch is surely seen,
 _SEEN_OF_FIRST: Final = 1.2  # or of that of the first frame in contact
-_REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
+# Required, and optional.
+FORCE_COLUMNS: Final = (("time", "force"), ("trigger", "displacement"))
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -421,7 +422,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     array([0. , 0.5, 2. ])
     """
     path = Path(path)
-    found = read_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
+    found = read_columns(path, *FORCE_COLUMNS, columns=columns)
     try:
         signal = ForceSignal(
             found["time"], found["force"], found.get("trigger"), displacement=found.get("displacement")
@@ -453,7 +454,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
 
 def unread_force_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:
     """Return the columns that `read_force_signal` leaves alone, and that may be a trigger or displacement."""
-    return unread_columns(path, (*_REQUIRED, *_OPTIONAL), columns)
+    return unread_columns(path, sum(FORCE_COLUMNS, ()), columns)
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:

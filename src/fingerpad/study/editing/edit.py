@@ -42,19 +42,19 @@ def update(table: Any, values: Mapping[str, Any]) -> None:
     for key, value in values.items():
         if value is None:
             table.pop(key, None)
-        elif key == "file_columns" and isinstance(value, str):
-            table[key] = _item(_columns_in(value))
+        elif key.endswith("_columns") and isinstance(value, str):
+            table[key] = _item(_columns_in(key, value))
         else:
             table[key] = _item(value)
 
 
-def _columns_in(text: str) -> Any:
+def _columns_in(key: str, text: str) -> Any:
     """Return columns from text as a manifest names them."""
     try:
         return tomllib.loads(f"columns = {{ {text} }}")["columns"]
     except tomllib.TOMLDecodeError:
         raise ManifestError(
-            f'file_columns: write force = "HEADER:UNIT", with commas between several, found {text}'
+            f'{key}: write force = "HEADER:UNIT", with commas between several, found {text}'
         ) from None
 
 

@@ -59,7 +59,7 @@ function fieldOf({ kind, key, place, words, proposed }) {
       workspace.study.scales.length > 0 && scaleChoice({ value: null, label, onset: set }),
       h("a", { href: "#/scale/+" }, workspace.study.scales.length ? "New scale" : "Set the scale"),
     ];
-  if (place === "file_columns") {
+  if (place.endsWith("_columns")) {
     const onsubmit = (event) => (event.preventDefault(), set(event.currentTarget[0].value));
     return h("form.control", { onsubmit }, [text({ value: proposed, label }), h("button.small", "Use")]);
   }
