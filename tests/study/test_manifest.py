@@ -117,6 +117,11 @@ def press(keys: str) -> str:
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
         ("palmar = 3\n" + VALID, "palmar: unknown key; it belongs in another table"),
+        (VALID + "strokes = 1", r"strokes: unknown key \(in a\)"),  # of a correction, of no manifest
+        (
+            "".join(f'[[fingers]]\nname = "f{k}"\n' for k in range(99)) + ROW,
+            "there is f0, f1, f2, f3, f4 and 94 more",
+        ),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
         (changed("= 2\n", '= "2"\n'), "load_N: expected a number, found '2'; .* without quotes"),
         (

@@ -18,6 +18,7 @@ from pydantic import BaseModel, TypeAdapter
 
 from fingerpad._display import Displayed
 from fingerpad._files import digest_of, folded, leads_out
+from fingerpad._words import joined
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
 from fingerpad.study.manifest import models
@@ -183,7 +184,7 @@ class TableChecks:
         for place, kind, name in _references(model):
             names = self._names[kind]
             if names.get(folded(name)) != name:
-                known = f"; there is {', '.join(names.values())}" if names else ""
+                known = f"; there is {joined(names.values(), 5)}" if names else ""
                 if kind == "scale" and not names:
                     known = f"; write a table [scales.{name}]"
                 yield Fault(place, f"no {kind} is named {name!r}{known}")

@@ -836,8 +836,9 @@ def _models() -> dict[str, type[ManifestModel]]:
 
 @cache
 def _keys() -> tuple[str, ...]:
-    """Return the keys of all tables, for what a misspelt one was meant to be."""
-    return tuple(dict.fromkeys(key for model in _models().values() for key in model.model_fields))
+    """Return the keys of all tables of a manifest, for what a misspelt one was meant to be."""
+    models = (model for model in _models().values() if model.__module__ == __name__)  # no correction's
+    return tuple(dict.fromkeys(key for model in models for key in model.model_fields))
 
 
 def _hint(key: str) -> str:

@@ -242,11 +242,12 @@ def measured_pad(
         deep = "deep tissue" if math.isinf(thickness) else f"{thickness:g} mm of tissue"
         source = f"E is that of {deep} with the contact area seen at {load:g} N"
     stds |= {"youngs_modulus": modulus_std / KPA_PER_MPA, "thickness": thickness_std}
+    roll = f", roll {found.roll_angle_deg:g}°" if found.roll_angle_deg else ""  # of several the smallest
     return MeasuredPad(
         placement=placement,
         tissue=Tissue(modulus / KPA_PER_MPA, poisson_ratio, thickness),
         stds={name: std for name, std in stds.items() if std > 0},
-        source=f"{found.finger} at {found.wedge_angle_deg:g}°: {source}",
+        source=f"{found.finger} at {found.wedge_angle_deg:g}°{roll}: {source}",
     )
 
 
