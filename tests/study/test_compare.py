@@ -202,7 +202,7 @@ def finished(**keys: Any) -> FinishedStudy:
     validity = record(ValidityRecord, verdict="not tested", headlines={}, checks=[], on_layer=None)
     unknown = {"on_layer": None, "radius_from_indentation_variance_shares": None}
     placement = record(PlacementRecord, **{**PLACED, **unknown, "validity": validity, **keys})
-    summary = record(SummaryFile, title="A", fingers=[finger], summaries=[placement], curves=[])
+    summary = record(SummaryFile, title="A", fingers=[finger], summaries=[placement], curves=[], by_load=[])
     return FinishedStudy(folder=Path("out"), summary=summary)
 
 
@@ -291,16 +291,35 @@ def test_different_versions_and_failures_are_told(runs, tmp_path):
 
 
 def test_moduli_that_no_finger_has_stand_in_no_mean(runs, tmp_path):
-    summaries = studies.summary_of(runs[2])["summaries"]
-    for one in summaries:
-        one["validity"]["headlines"]["youngs_modulus_kpa"]["value"] *= 1000
-    wrong = changed(runs[2], tmp_path / "wrong", title="Lab D", summaries=summaries)
+    by_load = studies.summary_of(runs[2])["by_load"]
+    for one in by_load:
+        one["youngs_modulus_kpa"] *= 1000
+    wrong = changed(runs[2], tmp_path / "wrong", title="Lab D", by_load=by_load)
     compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
     means, others = ([mean.value for mean in one.of("youngs_modulus_kpa")[1]] for one in (compared, alone))
     assert means == others
     said = r"Lab D, index: youngs_modulus_kpa .* 1–5000 kPa and stands in no mean"
     assert re.search(said, str(compared.notes))
     assert "1–5000 kPa" not in str(alone.notes)
+
+
+def test_area_and_modulus_of_a_finger_are_means_over_its_repeats(tmp_path):
+    rng = np.random.default_rng(1)
+    draws = 7.4 * np.exp(rng.normal(0, 0.025, 12)), 5.0 * np.exp(rng.normal(0, 0.025, 12))
+    presses = [contact(f"c{n}", ellipse=axes, std=0.02) for n, axes in enumerate(zip(*draws, strict=True))]
+    lighter = [contact("light", 0.5, (4.7, 3.2), std=0.02)]
+    studies.run(tmp_path, studies.finger(), *presses, *lighter, uncertainty={"load_relative_std": 0.01})
+    found = compare_studies([tmp_path / "out"])
+    ((area,), _), ((modulus,), _) = found.of("highest_area_mm2"), found.of("youngs_modulus_kpa")
+    areas = np.log(np.pi * draws[0] * draws[1])
+    assert (area.load, modulus.load) == (2, 2)
+    assert area.value == pytest.approx(np.exp(areas.mean()))
+    # What scatters decides: all of it is in the uncertainty of the mean.
+    assert area.std / area.value == pytest.approx(areas.std(ddof=1) / np.sqrt(12), rel=0.05)
+    pooled = studies.summary_of(tmp_path / "out")["by_load"][-1]
+    assert (modulus.value, modulus.std) == pytest.approx(
+        (pooled["youngs_modulus_kpa"], pooled["youngs_modulus_kpa_std"])
+    )
 
 
 def test_what_is_no_study_or_twice_the_same_is_refused(runs, tmp_path):

@@ -94,7 +94,12 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
 _FROM_CURVES: Final = ("initial_modulus_kpa", "load_exponent", "curve_area_exponent")
 _ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
 _AREA: Final = "highest_area_mm2"
-_AT_LOAD: Final = {_AREA, "youngs_modulus_kpa", _ON_LAYER}
+# Quantities at the highest load, and their names in the table of loads.
+_MEANS_AT_LOAD: Final = {
+    _AREA: "contact_area_mm2",
+    "youngs_modulus_kpa": "youngs_modulus_kpa",
+    _ON_LAYER: "youngs_modulus_on_layer_kpa",
+}
 
 
 class Person(NamedTuple):
@@ -233,6 +238,9 @@ def values_of(study: FinishedStudy) -> list[Value]:
 
 def _of_placements(study: FinishedStudy) -> Iterator[Value]:
     gain = study.summary.load_gain_relative_std
+    at_loads: dict[summary_file.PlacementKey, list[summary_file.AtLoadRecord]] = {}
+    for at in sorted(study.summary.by_load, key=lambda one: one.load_N):
+        at_loads.setdefault(at.key, []).append(at)
     for summary in study.summary.summaries:
         shares = summary.radius_from_indentation_variance_shares or {}
         angles = sum(shares.get(f"{name} angle", 0.0) for name in ("wedge", "jig", "roll"))
@@ -243,22 +251,23 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
             "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
             "radius_from_indentation_mm": angles,
         }
-        headlines, layer = summary.validity.headlines, summary.on_layer
+        headlines = summary.validity.headlines
         found = {
-            name: (getattr(summary, name), getattr(summary, f"{name}_std"))
+            name: _Found(
+                getattr(summary, name),
+                getattr(summary, f"{name}_std"),
+                headlines[name].model_std if name in headlines else math.nan,
+            )
             for name in (*shared, "area_exponent")
         }
-        found[_AREA] = summary.highest_area_mm2, summary.highest_area_mm2_std
-        if modulus := headlines.get("youngs_modulus_kpa"):
-            found["youngs_modulus_kpa"] = modulus.value, modulus.value_std
-        if layer:
-            one = layer.highest_load
-            found[_ON_LAYER] = one.youngs_modulus_on_layer_kpa, one.youngs_modulus_on_layer_kpa_std
+        if summary.key in at_loads:
+            found |= _of_contacts(at_loads[summary.key])
+        else:
+            found |= _of_one_frame(summary)
         verdicts = {name: one.verdict for name, one in headlines.items()}
         verdicts[_ON_LAYER] = summary.validity.on_layer.verdict if summary.validity.on_layer else ""
-        for quantity, (value, std) in found.items():
-            model_std = headlines[quantity].model_std if quantity in headlines else 0.0
-            model_std = 0.0 if math.isnan(model_std) else model_std
+        for quantity, (value, std, of_model, load) in found.items():
+            model_std = 0.0 if math.isnan(of_model) else of_model
             yield Value(
                 quantity=quantity,
                 **study.owner(summary),
@@ -269,8 +278,47 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 gain_std=gain * value if quantity in {"youngs_modulus_kpa", _ON_LAYER} else 0.0,
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
-                load=summary.highest_load_N if quantity in _AT_LOAD else math.nan,
+                load=load,
             )
+
+
+class _Found(NamedTuple):
+    """A value with its standard uncertainty, apart that of the model, and its load, N; NaN is not known."""
+
+    value: float
+    std: float
+    model_std: float = math.nan
+    load: float = math.nan
+
+
+def _of_contacts(at_loads: Sequence[summary_file.AtLoadRecord]) -> dict[str, _Found]:
+    """Return area and moduli at the highest load that gives them, means over the contacts there.
+
+    One contact of several would differ from its repeats by more than its area's own uncertainty says.
+    """
+    found = {}
+    for quantity, name in _MEANS_AT_LOAD.items():
+        known = [at for at in at_loads if math.isfinite(getattr(at, name))]
+        if known:
+            at = known[-1]
+            total_std, model_std = getattr(at, f"{name}_std"), getattr(at, f"{name}_model_std", math.nan)
+            std = math.sqrt(max(0.0, total_std**2 - np.nan_to_num(model_std) ** 2))
+            found[quantity] = _Found(getattr(at, name), std, model_std, at.load_N)
+    return found
+
+
+def _of_one_frame(summary: summary_file.PlacementRecord) -> dict[str, _Found]:
+    """Return area and moduli of a sequence's frame at the highest load."""
+    load, layer = summary.highest_load_N, summary.on_layer
+    found = {_AREA: _Found(summary.highest_area_mm2, summary.highest_area_mm2_std, load=load)}
+    if modulus := summary.validity.headlines.get("youngs_modulus_kpa"):
+        found["youngs_modulus_kpa"] = _Found(modulus.value, modulus.value_std, modulus.model_std, load)
+    if layer:
+        at = layer.highest_load
+        found[_ON_LAYER] = _Found(
+            at.youngs_modulus_on_layer_kpa, at.youngs_modulus_on_layer_kpa_std, load=at.load_N
+        )
+    return found
 
 
 class PersonMean(NamedTuple):
