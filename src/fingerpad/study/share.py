@@ -53,12 +53,10 @@ class Bundle:
 
     def __init__(self, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> None:
         """List the files of a study; those that it has `named` also if hidden or behind links."""
-        self.files: dict[str, Path] = {}  # where each is, by its name in the study; the documents come first
+        # Where each is, by its name in the study; the documents come first.
+        self.files = {name: folder / name for name in DOCUMENTS if (folder / name).is_file()}
         self.folders: list[str] = []  # each with a slash at its end
         self.left_out: list[LeftOut] = []  # what the ZIP does not hold
-        for name in DOCUMENTS:
-            if (folder / name).is_file():
-                self.files[name] = folder / name
         self._add_named(folder, sheet or "")
         documents = tuple(self.files)
         for name in sorted(named):

@@ -8,12 +8,11 @@ import html
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import pandas as pd
@@ -21,7 +20,7 @@ import pandas as pd
 from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN, require_result_set
-from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
+from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, reading
 from fingerpad.study.results.table import (
     COLUMNS,
     DEFAULT_COLUMNS,
@@ -132,7 +131,7 @@ def read_rows(folder: Path) -> pd.DataFrame:
 def read_header(folder: Path) -> tuple[str, ...]:
     """Return the columns of a finished run: all, or those that a run writes by default."""
     path = folder / "results.csv"
-    with _opened(path) as file:
+    with reading(path), path.open(newline="", encoding="utf-8") as file:
         names = tuple(next(csv.reader(file), ()))
     if names not in {DEFAULT_COLUMNS, tuple(COLUMNS)}:
         raise FingerpadError(f"{path}: its columns are not those of this version; {RERUN}")
@@ -142,7 +141,7 @@ def read_header(folder: Path) -> tuple[str, ...]:
 def read_batches(folder: Path, size: int) -> Iterator[dict[str, ColumnArray]]:
     """Yield the rows of a finished run by column, `size` at a time, so that memory stays flat."""
     columns, path = [COLUMNS[name] for name in read_header(folder)], folder / "results.csv"
-    with _opened(path) as file:
+    with reading(path), path.open(newline="", encoding="utf-8") as file:
         reader = csv.reader(file)
         next(reader)
         while rows := list(islice(reader, size)):
@@ -165,18 +164,6 @@ def _array(column: Column, cells: tuple[str, ...], where: str) -> ColumnArray:
     if column.dtype == "float" and np.isinf(array).any():
         raise FingerpadError(f"{where}: {column.name} holds an infinite number; {RERUN}")
     return array
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[TextIO]:
-    """Open a file of a run's output."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            yield file
-    except FileNotFoundError:
-        raise no_finished_run(path) from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FingerpadError(f"{path}: cannot be read ({error})") from error
 
 
 _CLOSE: Final = 1e-6  # degrees

@@ -1,7 +1,10 @@
 """The content of ``summary.json``: written by a run, read by the page, by comparisons and by users."""
 
+import csv
 import math
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Final, Self, TypeAlias
 
@@ -671,11 +674,8 @@ class SummaryFile(Record):
         """Read the summary of a finished run."""
         path = folder / "summary.json"
         try:
-            return cls.model_validate_json(path.read_bytes(), strict=True)
-        except FileNotFoundError:
-            raise no_finished_run(path) from None
-        except OSError as error:
-            raise FingerpadError(f"{path}: cannot be read ({error})") from error
+            with reading(path):
+                return cls.model_validate_json(path.read_bytes(), strict=True)
         except ValidationError as error:
             fault = error.errors(include_url=False)[0]
             place = ".".join(map(str, fault["loc"]))
@@ -683,9 +683,15 @@ class SummaryFile(Record):
             raise FingerpadError(f"{path}: {what}; {RERUN}") from error
 
 
-def no_finished_run(path: Path) -> FingerpadError:
-    """Return the error for a file of a run's output that is missing."""
-    return FingerpadError(
-        f"{path.parent}: no {path.name} there, so no finished run; "
-        "`fingerpad run STUDY --out FOLDER` makes one"
-    )
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Say of a file of a run's output that is missing or cannot be read what it is, and the way out."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise FingerpadError(
+            f"{path.parent}: no {path.name} there, so no finished run; "
+            "`fingerpad run STUDY --out FOLDER` makes one"
+        ) from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise FingerpadError(f"{path}: cannot be read ({error})") from error
