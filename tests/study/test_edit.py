@@ -169,6 +169,7 @@ def test_a_wrong_edit_writes_nothing(folder, case):
     with pytest.raises(ManifestError) as error:
         changed(folder, ("observation", "print_2", {"load_N": 9}), edit)
     assert words in str(error.value)
+    assert ("cannot be written as TOML" in str(error.value)) == (case == "not for TOML")
     assert ".new" not in str(error.value)
     assert contents(folder) == before
 

@@ -394,6 +394,18 @@ _CHANGES: Final[Mapping[Kind, Callable[[StudyFiles, Edit], None]]] = {
 }
 
 
+def _apply(files: StudyFiles, edit: Edit) -> None:
+    """Make one edit in the documents of a study."""
+    if edit.kind not in _CHANGES:
+        raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
+    try:
+        _CHANGES[edit.kind](files, edit)
+    except ManifestError:
+        raise
+    except (TOMLKitError, TypeError, ValueError, KeyError) as error:
+        raise ManifestError(f"{edit.kind} {edit.key}: cannot be written as TOML ({error})") from error
+
+
 # As in template.toml.
 _BEGINNING: Final = {"uncertainty": {"load_relative_std": 0.01}}
 
@@ -430,10 +442,5 @@ def change_study(
                 "look at it again before you do"
             )
         for edit in edits:
-            if edit.kind not in _CHANGES:
-                raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
-            try:
-                _CHANGES[edit.kind](files, edit)
-            except (TOMLKitError, TypeError, ValueError, KeyError) as error:
-                raise ManifestError(f"{edit.kind} {edit.key}: cannot be written as TOML ({error})") from error
+            _apply(files, edit)
         return files.write()
