@@ -49,7 +49,7 @@ PROBLEMS = (
     Problem(
         model=COIN_EDGE,
         of="error of the radius, as a share",
-        stds=("lens_px", "rounding", "shadow", "band"),
+        stds=("rounding", "shadow", "band"),
         sample=sample,
         compare=compare,
     ),

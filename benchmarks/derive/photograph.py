@@ -152,9 +152,8 @@ PROBLEMS = (
         model=DOUBT,
         of=_OF_SEMI_AXES,
         tuned=("exponent_std", "quadrant_std", "log_odds", "width_std"),
-        stds=("widening", "missed", "floor", "rough_std"),
+        stds=("widening", "floor", "rough_std"),
         kept={
-            "too_rough": "choice: what neither curve follows",
             "significant": _FLAGGED,
             "least_significant": _FLAGGED,
             "edge_std": "rms of 56 axes of fingertips ray-traced in 14 skins, backdrops and lights: 0.42",

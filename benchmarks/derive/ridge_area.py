@@ -84,13 +84,13 @@ def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
 
 
 _OF = "error of the ridge area inside the outline, as a share"
-_BY = "by_noise", "by_rim", "by_fade", "by_moisture"
+_BY = "by_rim", "by_fade", "by_moisture"
 _NO_EFFECT = "choice: the area hardly depends on it"
 PROBLEMS = (
     Problem(
         model=RIDGE_LEVEL,
         of=_OF,
-        places=("reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain", "by_clipping"),
+        places=("reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain"),
         kept={
             **dict.fromkeys(("gradient", "direction", "sample"), _NO_EFFECT),
             "near_half": "choice: the width of a numerical derivative",
@@ -102,7 +102,7 @@ PROBLEMS = (
     Problem(
         model=RIDGE_AREA,
         of=_OF,
-        stds=("level_std", "level_by_grain", "level_by_clipping", "least_std", *_BY),
+        stds=("level_std", "level_by_grain", "least_std", *_BY),
         kept={
             "sharp_fade": "choice: where by_fade begins",
             "most_fade": "choice: where by_fade ends",

@@ -40,7 +40,6 @@ class EdgeModel:
     off: Band = (0.9, 1.2)  # a rim has ended, and a halo is still a third of what it is just outside
     rim: Band = (-1.2, -0.4)  # contrast round the outline, and whether there are ridges
     near: Band = (0.0, 0.5)  # contrast just outside
-    followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
     sectors: int = 24  # parts of the outline whose means are compared
     trimmed: float = 0.2  # share of the sectors at either end that does not count
@@ -48,23 +47,16 @@ class EdgeModel:
     hardly: float = 0.01  # contrasts; so little beyond does not move the edge: noise leaves it
     bare: float = 0.45  # of the interior's variation; with less there are no ridges along the outline
 
-    # Standard deviation of each place of the outline.
-    in_valley_std: float = 0.16  # periods; in a valley that it follows
-    softness_std: float = 0.092  # periods; by the softness of the picture
-    stretch: float = 2.75  # periods; neighbours share that error over this length
-
     # Standard deviation that all of the edge shares.
     shared_std: float = 0.09  # periods; at least
     beyond_std: float = 2.8  # periods a contrast; by the ridges beyond
     rim_std: float = 0.34  # periods; where a rim covers all ridges
     paleness_std: float = 2.5  # periods a contrast; by how much less than usual the last period has
-    thinning_std: float = 5.0  # periods; by how much more than usual ridges thin
-    usual_thinning: float = 0.3  # ridges hardly thin by more
     followed_std: float = 0.6  # periods; by how much more of the outline than usual does
     unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
     # Standard deviation by which the edge varies within one image.
-    varies: float = 0.7  # share of the shared deviation
+    varies: float = 0.8  # share of the shared deviation
     alike: float = 0.25  # share of the outline over which it is the same
     lack_std: float = 1.0  # periods a contrast; by how the contrast of the rim differs from elsewhere
 
@@ -92,9 +84,6 @@ class RidgeLevel:
     usual_grain: float = 0.12  # rises; that pores and blur make
     by_grain: float = 0.4  # rises a rise of more grain
 
-    # Shift by valleys that the device clips to white, or black: half of how far they would lie beyond.
-    by_clipping: float = 0.07  # rises; by the square of their share
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RidgeAreaError:
@@ -103,11 +92,9 @@ class RidgeAreaError:
     # The level's: its effect is that times the change of the area with the level.
     level_std: float = 0.025  # rises; at least
     level_by_grain: float = 0.5  # rises a rise of grain
-    level_by_clipping: float = 0.13  # rises; by the share of clipped valleys
 
     # The area's own.
     least_std: float = 0.008  # where the level does not matter
-    by_noise: float = 0.1  # a rise of noise
     by_rim: float = 0.4  # where a rim covers all ridges
     by_fade: float = 0.2  # a period by which a fading edge lies further out
     sharp_fade: float = 0.08  # periods; fade of a sharp edge
@@ -147,8 +134,8 @@ class SmoothModel:
     by_width: float = 0.08  # of the step's width
     by_scatter: float = 5.5  # of the scatter along the outline: a wet rim wobbles
     second: float = 0.3  # of the distance of a second edge
-    hidden: float = 0.05  # of the radius, where nothing of the edge is seen
-    cut: float = 0.3  # of the radius, where the frame cuts the contact
+    hidden: float = 0.07  # of the radius, where nothing of the edge is seen
+    cut: float = 0.42  # of the radius, where the frame cuts the contact
 
     # A crest instead of a step: the slope of a gel.
     crest: float = 0.3  # of its width; the edge lies so far outside, inside where the crest is narrow

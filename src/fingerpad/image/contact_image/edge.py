@@ -16,7 +16,7 @@ from fingerpad.image._masks import UInt8, distance_to, longest_contour
 from fingerpad.image.contact_image.background import quantile
 from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.ridges import HALF, Ridges
+from fingerpad.image.contact_image.ridges import Ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals, shifted, signed_area
 
@@ -31,20 +31,10 @@ _LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
 _FIRST_RIDGE: Final = 0.3  # ridge periods inside, where a ridge lies that the outline follows
 _FIRST_VALLEY: Final = 0.8  # ridge periods inside, where the valley behind it lies
 _ACROSS: Final = 6  # samples across a band
-_RAMP: Final = 64  # the amount of ridge is near half within so many levels, of 255
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 MANUAL: Final = math.sqrt(1 / 12 / 2)
-
-
-class StepErrors(NamedTuple):
-    """How uncertain the edge of a contact without ridges is, px of the copy."""
-
-    own: float = 0.0  # standard deviation of the edge's place in one profile
-    stretch: float = 0.0  # length of outline along which neighbouring profiles share that error
-    hidden: float = 0.0  # standard uncertainty of the mean place by what of the outline is not seen
-    shared: float = 0.0  # standard uncertainty of its place all round, which images of one device share
-    doubts: frozenset[str] = frozenset()  # flags of this edge
+_DRAWN_ALIKE: Final = 2.75  # ridge periods; the other half is the same over this length
 
 
 class FadeSigns(NamedTuple):
@@ -66,7 +56,6 @@ class FadeSigns(NamedTuple):
         return self.bare > _MOSTLY
 
 
-_NO_ERRORS: Final = StepErrors()
 _NO_SIGNS: Final = FadeSigns()
 
 
@@ -77,20 +66,19 @@ class Edge:
     points: FloatArray  # (n, 2); (x, y), about evenly spaced, in order
     normals: FloatArray  # (n, 2); outward
     steps: FloatArray  # (n,); length of outline that each point stands for
-    # (n,); How far the outline follows one ridge (1) or crosses ridges (0): by how much the ridge amount 0.3
-    # periods inside exceeds that 0.8 inside
-    along: FloatArray
     period: float  # ridge period
-    noise: float  # standard deviation of the noise, in parts of the rise from valley to ridge
-    softness: float  # by what share the ridges' area would change if their level moved by the whole rise
     resolved: bool  # whether the period was seen in the picture, or is one that fingers usually have
     manual: BoolArray  # (n,); where a person drew it
     # (n,); Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for
     # all points, by how the contrast inside differs from that along the rest of the outline
     differs: FloatArray
+    # Standard uncertainty of the edge's place all round, which other images of the device share, and so does
+    # an edge that a person drew, who sees no more of it
+    offset_std: float
+    varying_std: float  # that by which it varies round the outline, where nobody drew it
     fade: float = 0.0  # how far further out the edge of a contact that fades lies; below 0 where it is sharp
     signs: FadeSigns = _NO_SIGNS
-    step_errors: StepErrors = _NO_ERRORS  # of a contact without ridges
+    doubts: frozenset[str] = frozenset()  # flags of this edge
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -99,18 +87,17 @@ class Edge:
 
 def even_edge(points: FloatArray, view: View, *, drawn: bool = False) -> Edge:
     """Return an edge (x, y) of the copy that is alike all round, found automatically or drawn manually."""
-    none = np.zeros(len(points))
+    offset_std = EDGE.shared_std * view.period
     return Edge(
         points=points,
         normals=smooth_normals(points, view.period),
         steps=point_spacings(points),
-        along=none,
         period=view.period,
-        noise=view.noise / max(view.contrast, 1e-9),
-        softness=0.0,
         resolved=drawn or view.resolved,
         manual=np.full(len(points), drawn),
-        differs=none,
+        differs=np.zeros(len(points)),
+        offset_std=offset_std,
+        varying_std=EDGE.varies * offset_std,
     )
 
 
@@ -127,8 +114,14 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     # The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
     # beyond a ridge that it follows. Without resolved ridges there may be such ends or none: half of it.
     beyond = EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
+    offset_std = _offset_std(edge)
     rows, columns = region.patch.shape
-    return replace(edge, points=edge.moved(beyond).clip(-0.5, [columns - 0.5, rows - 0.5]))
+    return replace(
+        edge,
+        points=edge.moved(beyond).clip(-0.5, [columns - 0.5, rows - 0.5]),
+        offset_std=offset_std,
+        varying_std=EDGE.varies * offset_std,
+    )
 
 
 def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
@@ -145,15 +138,7 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
         slope = (inner - outer) / 1.4
         off = ((value - _HALF_LEVEL) / np.maximum(slope, 10.0)).clip(-1, 1)
         points = points + normals * off[:, None]
-    edge = even_edge(evenly_spaced(running_mean(points, 2)), view)
-    inward = [-_FIRST_RIDGE * period, -_FIRST_VALLEY * period]
-    ridge, valley = _profiles(as_float32(ridges.amount), edge.points, edge.normals, inward)
-    along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))
-    # By what share the ridges' area would change if their level moved by the whole rise.
-    amount = ridges.amount[patch]
-    near_half = np.count_nonzero((amount >= HALF - _RAMP // 2) & (amount < HALF + _RAMP // 2))
-    softness = int(near_half) * 255 / _RAMP / max(int(np.count_nonzero(amount >= HALF)), 1)
-    return replace(edge, along=along, softness=softness)
+    return even_edge(evenly_spaced(running_mean(points, 2)), view)
 
 
 def fade_signs(
@@ -183,10 +168,13 @@ def fade_signs(
     cover = max(1 - float(without / means[1] / max(within / means[0], EDGE.least)), 0.0)
     floor, far = _variations([ground, beyond], edge.period, 1) / contrast
     above = max(far**2 - floor**2, 0.0)
-    last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
+    ridged = as_float32(amount)
+    last, before = (band.mean() for band in _across(ridged, edge, EDGE.inside, EDGE.deeper))
+    inward = [-_FIRST_RIDGE * edge.period, -_FIRST_VALLEY * edge.period]
+    ridge, valley = _profiles(ridged, edge.points, edge.normals, inward).mean(axis=1) / 255
     side = round(edge.period) | 1
     varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
-    ridged = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
+    along = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     signs = FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
@@ -196,8 +184,8 @@ def fade_signs(
         cover=cover,
         rim=cover * max(1 - 3 * float(means[2] / means[1]), 0.0),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
-        followed=max(float(edge.along.mean()) - EDGE.usually_followed, 0.0),
-        bare=float(np.mean(ridged < EDGE.bare * quantile(varies, 0.75))),
+        followed=max(float(ridge - valley) - EDGE.usually_followed, 0.0),
+        bare=float(np.mean(along < EDGE.bare * quantile(varies, 0.75))),
     )
     return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
 
@@ -320,52 +308,36 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
     return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
 
 
-def edge_offset_std(edge: Edge) -> float:
+def _offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
     It holds the definition of the edge of a contact that fades and, where no ridges are resolved, all of the
-    shift for them. Other images of the same device share it too, and so does an edge that a person drew, who
-    sees no more of it.
+    shift for them.
     """
-    terms = (
-        EDGE.shared_std * edge.period,
-        EDGE.beyond_std * edge.signs.beyond * edge.period,
-        EDGE.rim_std * edge.signs.cover**2 * edge.period,
-        EDGE.unevenness_std * edge.signs.unevenness * edge.period,
-        EDGE.paleness_std * edge.signs.paleness * edge.period,
-        EDGE.thinning_std * max(edge.signs.thinning - EDGE.usual_thinning, 0.0) * edge.period,
-        EDGE.followed_std * edge.signs.followed * edge.period,
-        0.0 if edge.resolved else EDGE.ends * edge.period / 2,
+    signs = edge.signs
+    return edge.period * math.hypot(
+        EDGE.shared_std,
+        EDGE.beyond_std * signs.beyond,
+        EDGE.rim_std * signs.cover**2,
+        EDGE.unevenness_std * signs.unevenness,
+        EDGE.paleness_std * signs.paleness,
+        EDGE.followed_std * signs.followed,
+        0.0 if edge.resolved else EDGE.ends / 2,
     )
-    return math.hypot(*terms)
 
 
 def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
-    Each stretch has an independent error: where it follows a ridge, that of an edge at random on valleys of
-    half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows with the blur.
     An edge that fades does so unevenly, as the contrast inside shows. Where it was drawn manually, the error
     of drawing replaces these; half of its variance is shared by all that was drawn.
     """
-    along = edge.along.clip(0, 1)
-    soft = EDGE.softness_std * edge.softness
-    own = edge.period * np.sqrt(along * EDGE.in_valley_std**2 + soft**2)
-    own = np.where(edge.manual, MANUAL * edge.period, own)
-    varies = edge.steps * ~edge.manual * EDGE.varies * edge_offset_std(edge)
-    noise = _spread_noise(weights, edge.steps * own, EDGE.stretch * edge.period)
-    noise += _spread_noise(weights, varies, EDGE.alike * len(weights))
-    uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)
-    return noise + np.outer(uneven, uneven) + _drawn_noise(edge, weights)
-
-
-def step_noise(edge: Edge, weights: FloatArray) -> FloatArray:
-    """Return `outline_noise` of a contact without ridges, whose profiles show how their edge scatters."""
-    errors = edge.step_errors
-    own = np.where(edge.manual, MANUAL * edge.period, errors.own)
-    noise = _spread_noise(weights, edge.steps * own, errors.stretch / max(float(edge.steps.mean()), 1e-9))
-    noise += _spread_noise(weights, edge.steps * errors.hidden, len(weights) // 2)
-    return noise + _drawn_noise(edge, weights)
+    seen, drawn = edge.steps * ~edge.manual, edge.steps * edge.manual * MANUAL * edge.period
+    noise = _spread_noise(weights, seen * edge.varying_std, EDGE.alike * len(weights))
+    noise += _spread_noise(weights, drawn, _DRAWN_ALIKE * edge.period)
+    for shared in (weights.T @ (seen * edge.differs), weights.T @ drawn):
+        noise += np.outer(shared, shared)
+    return noise
 
 
 def _spread_noise(weights: FloatArray, areas: FloatArray, shared_by: float) -> FloatArray:
@@ -376,9 +348,3 @@ def _spread_noise(weights: FloatArray, areas: FloatArray, shared_by: float) -> F
     count = min(max(1, round(shared_by)), len(weights))
     spread = running_mean(weights * areas[:, None], count)
     return np.asarray(spread.T @ spread * count)
-
-
-def _drawn_noise(edge: Edge, weights: FloatArray) -> FloatArray:
-    """Return the covariance from the error that all that was drawn shares."""
-    drawn = (weights * (edge.steps * edge.manual * MANUAL * edge.period)[:, None]).sum(axis=0)
-    return np.outer(drawn, drawn)

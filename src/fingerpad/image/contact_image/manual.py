@@ -113,7 +113,6 @@ def _restored_edge(outline: FloatArray, edge: Edge) -> Edge:
         points=points,
         normals=smooth_normals(points, edge.period),
         steps=point_spacings(points),
-        along=np.where(same, edge.along[nearest], 0.0),
         manual=~same | edge.manual[nearest],
         differs=np.where(same, edge.differs[nearest], 0.0),
     )

@@ -19,11 +19,9 @@ from fingerpad.image.contact_image.calibration import RIDGE_AREA
 from fingerpad.image.contact_image.edge import (
     Edge,
     axis_weights,
-    edge_offset_std,
     flattest,
     outline_noise,
     running_mean,
-    step_noise,
 )
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
@@ -252,7 +250,7 @@ def evaluate(
         "several_regions": region.several,
         "poor_ellipse": overlap < _POOR_OVERLAP,
         "edited_manually": edited,
-        **dict.fromkeys(edge.step_errors.doubts, True),
+        **dict.fromkeys(edge.doubts, True),
     }
     fine, ridge_area, area_variance, border, threshold = None, math.nan, math.nan, math.nan, view.contrast / 2
     if ridges is not None:
@@ -325,31 +323,23 @@ def _outline_uncertainty(
     weights = axis_weights(moments, outline) * view.step**2
     # A wider outline takes in more ridges, thinner than those of the interior.
     response = np.vstack([np.eye(3), [0, 0, RIDGE_AREA.at_rim * ridge_area / moments.area]])
-    if math.isnan(ridge_area):
-        noise, offset = step_noise(edge, weights), edge.step_errors.shared * float(1 - edge.manual.mean())
-    else:
-        noise, offset = outline_noise(edge, weights), edge_offset_std(edge)
+    noise = response @ outline_noise(edge, weights) @ response.T
+    if math.isfinite(ridge_area):
         outline = running_mean(outline, round(edge.period * view.step))
-    noise = response @ noise @ response.T
     # An outline that is no ellipse has other semi-axes by other definitions.
     other = np.ptp(outline @ moments.axes.T, axis=0) / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
-    offset *= view.step
+    offset = edge.offset_std * view.step
     return noise, response @ [offset, offset, offset * edge.steps.sum() * view.step]
 
 
 def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: float) -> float:
     """Return the standard uncertainty of the area of resolved ridges inside a given outline."""
-    level_std = math.hypot(
-        RIDGE_AREA.level_std,
-        RIDGE_AREA.level_by_grain * ridges.grain,
-        RIDGE_AREA.level_by_clipping * ridges.clipped,
-    )
+    level_std = math.hypot(RIDGE_AREA.level_std, RIDGE_AREA.level_by_grain * ridges.grain)
     fade = edge.fade / edge.period - RIDGE_AREA.sharp_fade
     return known * math.hypot(
         RIDGE_AREA.least_std,
         ridges.softness * level_std,
-        RIDGE_AREA.by_noise * edge.noise,
         RIDGE_AREA.by_rim * edge.signs.cover**2,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
         RIDGE_AREA.by_moisture * max(0.0, known / gross_area - RIDGE_AREA.dry_share),

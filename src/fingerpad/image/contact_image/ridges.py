@@ -25,8 +25,7 @@ _WINDOW: Final = 3.0  # ridge periods; side of the windows of local levels
 _SMOOTHING: Final = 0.09  # ridge periods; before
 _ROUNDS: Final = 3  # the levels are found so often
 _PRIOR: Final = 0.03  # weight of the whole picture's levels against a window's own, as a share of the window
-LEAST_RISE: Final = 0.3  # from valley to ridge, as a share of the picture's contrast
-CLEAR_RISE: Final = 0.5  # smears have less
+LEAST_RISE: Final = 0.3  # from valley to ridge, as a share of the picture's contrast; less counts as this
 _LEAST_FOR_STEP: Final = 4  # levels are taken from every other pixel where a period has more than so many
 _MOST_PER_PERIOD: Final = 12  # pixels to a ridge period; more tell nothing more
 _PLACES_PER_PERIOD: Final = 5  # fewer places tell the ridges' share
@@ -51,12 +50,11 @@ class Ridges:
         return quantile(self.level[inside] if inside.any() else self.level.ravel(), 0.5)
 
 
-def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_RISE) -> Ridges:
+def find_ridges(view: View, threshold: float | None) -> Ridges:
     """Tell ridges from valleys in the copy.
 
     The two levels are Ridler & Calvard's means over windows of three periods, or the whole picture's where a
-    window lacks one; with a `threshold` zero and twice that everywhere. A rise of less than `least_rise`, in
-    parts of the picture's contrast, is taken for as much.
+    window lacks one; with a `threshold` zero and twice that everywhere.
     """
     values = smoothed(view)
     if threshold is not None:
@@ -65,7 +63,7 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
     else:
         step = 2 if view.period >= _LEAST_FOR_STEP else 1
         side = max(1, round(_WINDOW * view.period / step / 3))
-        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast, least_rise)
+        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast)
         above = np.subtract(values, enlarge(valley, side * step, values.shape))
         scale = enlarge(as_float32(255 / rise), side * step, values.shape)
         amount = np.asarray(cv2.multiply(above, scale, dtype=cv2.CV_8U), np.uint8)
@@ -82,9 +80,7 @@ def smoothed(view: View) -> Float32Array:
     return as_float32(cv2.GaussianBlur(view.contact, (0, 0), max(0.4, _SMOOTHING * view.period)))
 
 
-def _levels(
-    smooth: Float32Array, side: int, contrast: float, least_rise: float
-) -> tuple[Float32Array, Float32Array]:
+def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
     """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
 
     A window is three blocks wide.
@@ -98,7 +94,7 @@ def _levels(
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, least_rise * contrast)
+        rise = np.maximum(ridge - valley, LEAST_RISE * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 
@@ -135,7 +131,6 @@ class RidgeMap:
     to_copy: FloatArray  # (2, 3); from places to pixels of the copy
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
     grain: float  # how much ridges vary along themselves, beyond noise and what is usual, of the rise
-    clipped: float  # share of the valleys that the device shows as white, or as black where ridges are bright
     has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
@@ -200,7 +195,7 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     places = places[:: max(1, places.size // _ENOUGH_PLACES)]
     period /= pitch
     values = as_float32(sign * few - _warped(view.ground, to_copy, few.shape[::-1]))
-    level, grain, clipped = 0.5, 0.0, 0.0
+    level, grain = 0.5, 0.0
     if threshold is not None:
         amount = as_float32(values / np.float32(2 * threshold))
         within = amount.take(places)
@@ -209,16 +204,9 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         means = as_float32(_mean_along_ridges(box, few, period, every) * sign)
         valley, rise = _local_levels(means, view.contrast, period)
         amount = as_float32((means - valley) / rise)
-        within, seen = amount.take(places), few.take(places)
-        grain = _excess_grain((sign * seen - means.take(places)) / rise.take(places), within)
-        # The share of valleys at the end of the range of 8 or 16 bits.
-        end = float(box.max()) if view.dark_on_light else 0.0
-        if end in {0.0, 255.0, 65535.0}:
-            valleys = within < level
-            at_end = np.count_nonzero((seen == end) & valleys)
-            clipped = at_end / max(int(np.count_nonzero(valleys)), 1)
-        level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
-        level += _blur_shift(within)
+        within = amount.take(places)
+        grain = _excess_grain((sign * few - means).take(places) / rise.take(places), within)
+        level += _blur_shift(within) - RIDGE_LEVEL.by_grain * grain
     above = as_float32(amount - np.float32(level))
     return RidgeMap(
         above=above,
@@ -228,7 +216,6 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         to_copy=to_copy,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
-        clipped=clipped,
         has_print=_has_print(values, (above > 0) & inside, inside, period),
     )
 

@@ -16,7 +16,7 @@ from fingerpad._arrays import BoolArray, Float32Array, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image.calibration import SMOOTH
-from fingerpad.image.contact_image.edge import Edge, StepErrors, even_edge
+from fingerpad.image.contact_image.edge import Edge, even_edge
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop, reduced_shape
@@ -183,18 +183,13 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     corner = np.array(view.part.corner[::-1])
     rows, columns = view.contact.shape
     edge = even_edge(view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5]), view)
-    own, run = _scatter(step)
-    hidden = SMOOTH.hidden * step.radius * (1 - step.seen) ** 1.5
-    if step.cut:
-        hidden = SMOOTH.cut * step.radius
-    errors = StepErrors(
-        own=own / view.step,
-        stretch=run * float(edge.steps.mean()),
-        hidden=hidden / view.step,
-        shared=shared / view.step,
+    hidden = SMOOTH.cut if step.cut else SMOOTH.hidden * (1 - step.seen) ** 1.5
+    return replace(
+        edge,
+        offset_std=shared / view.step,
+        varying_std=hidden * step.radius / view.step,
         doubts=frozenset(doubts),
     )
-    return replace(edge, step_errors=errors)
 
 
 def _cut_out(step: Step, pixels: npt.NDArray[np.number]) -> bool:
@@ -228,19 +223,3 @@ def _beyond(step: Step) -> tuple[float, float, bool]:
     else:
         unclear = False
     return shift, math.hypot(*terms), unclear
-
-
-def _scatter(step: Step) -> tuple[float, float]:
-    """Return the standard deviation of the edge in one profile, and how many neighbours share its error."""
-    off = step.off - np.nanmedian(step.off)
-    spread = step.scatter
-    off = np.where(np.isfinite(off), off, 0.0).clip(-3 * spread, 3 * spread)
-    power = float((off**2).mean())
-    run = 1.0
-    if power > 0:
-        for lag in range(1, len(off) // 6):
-            share = float((off * np.roll(off, lag)).mean()) / power
-            if share < 0.1:
-                break
-            run += 2 * share
-    return max(spread, 0.02), run

@@ -16,7 +16,15 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, robust_std
-from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour, sample
+from fingerpad.image._masks import (
+    disk,
+    distance_to,
+    fill_holes,
+    filled_polygon,
+    largest_piece,
+    longest_contour,
+    sample,
+)
 from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
@@ -188,17 +196,12 @@ def _compact(mask: BoolArray) -> BoolArray | None:
     pad = 40
     wide = np.pad(filled, pad, mode="edge")
     within = distance_to(~np.pad(filled, 1))[1:-1, 1:-1]
-    count, labels = cv2.connectedComponents(filled.astype(np.uint8))
-    if count < 2:
-        return None
+    _, labels = cv2.connectedComponents(filled.astype(np.uint8))
     radius = max(2.0, min(pad - 2.0, _APPENDAGE * float(within.max())))
     part = np.pad(np.asarray(labels == labels.flat[within.argmax()]), pad, mode="edge") & wide
     opened = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_OPEN, disk(radius))[pad:-pad, pad:-pad] > 0
-    share = np.count_nonzero(opened) / mask.size
-    if not _LEAST_AREA < share < _MOST_AREA:
-        return None
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(opened.astype(np.uint8))
-    return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
+    patch = largest_piece(opened)
+    return patch if _LEAST_AREA < np.count_nonzero(patch) / mask.size < _MOST_AREA else None
 
 
 def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign: int) -> Step | None:

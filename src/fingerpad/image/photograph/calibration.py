@@ -21,10 +21,8 @@ class ShapeDoubt:
 
     # The comparison with a superellipse.
     widening: float = 2.0  # its standard uncertainties over what its points tell
-    missed: float = 0.1  # share of the difference between the curves
     floor: float = 0.03  # relative; semi-axes of a superellipse are no surer
-    too_rough: float = 10.0  # misfit over the ellipse's own; a fold or a nail, neither curve
-    rough_std: float = 0.08  # relative; an ellipse then, or where too few points tell its shape
+    rough_std: float = 0.08  # relative; of an ellipse where too few points tell its shape
     significant: float = 3.0  # standard uncertainties of the exponent from 2
     least_significant: float = 0.05  # of the exponent from 2, to be significant
 

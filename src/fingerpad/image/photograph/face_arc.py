@@ -205,10 +205,13 @@ def photograph_fit(
 
 
 def _fitted(arc: FaceArc) -> EllipseFit:
-    """Return the arc's ellipse, to which the outline just beyond its ends contributes."""
+    """Return the arc's ellipse, to which the outline just beyond ends that were given contributes.
+
+    An arc found automatically ends where no ellipse follows the outline further.
+    """
     used, (places, _) = np.flatnonzero(arc.points["used"]), outline_places(arc.xy)
     fit = fit_arc_ellipse(arc.xy[used], arc.tilt, places=places[used], start=arc.start)
-    return extend_arc(arc.xy, used, fit, arc.tilt)
+    return extend_arc(arc.xy, used, fit, arc.tilt) if arc.ends_known else fit
 
 
 def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
@@ -231,7 +234,6 @@ def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
         tilt=arc.tilt,
         half_width=half,
         hidden=hidden,
-        noise=fit.residual_std,
         alike=arc.alike,
     )
 

@@ -24,8 +24,7 @@ _WIDTHS: Final = (0.95, 0.97, 0.98)
 # Changes of the radius in one round, at most.
 _MAX_CHANGE: Final = 1.5
 
-# Exponents searched, and differences from 2 to start from.
-_EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
+_EXPONENTS: Final = (1.2, 5.0)  # searched
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 BLOCK, _MIN_BLOCKS = 8, 10
 _UNSEEN: Final = (math.nan, math.nan, math.nan)
@@ -237,7 +236,6 @@ def average_over_shapes(
     tilt: tuple[float, float],
     half_width: float = math.nan,
     hidden: float = 0.0,
-    noise: float = math.inf,
     alike: int = BLOCK,
 ) -> ShapeAverage:
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
@@ -245,8 +243,8 @@ def average_over_shapes(
     |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants and one for each.
     The semi-axes of both curves are the extents to which they continue the arc; those of the ellipse have the
     covariance given. `half_width` is half of the finger's width, NaN where this face does not show the pad's,
-    of which the outline does not show the part `hidden`. `noise` is the standard deviation of the points on
-    the arc; `alike` neighbouring points share an error. Lengths are px. Too few points tell no exponent.
+    of which the outline does not show the part `hidden`; `alike` neighbouring points share an error. Lengths
+    are px. Too few points tell no exponent.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)
@@ -258,7 +256,7 @@ def average_over_shapes(
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width_std = math.hypot(DOUBT.width_std, hidden / ellipse.semi_x)
     curve = _Curve(blocks, weights, tilt, (math.log(half_width / size), width_std), DOUBT.least_px / size)
-    bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
+    bent = curve.fitted(np.append(curve.fitted(start).x, np.zeros(5)))
     for _ in range(2):
         deviation = max(DOUBT.least_px / size, curve.deviation(bent.x))
         curve = curve._replace(noise=deviation)
@@ -266,14 +264,10 @@ def average_over_shapes(
     plain = curve.fitted(start)
     weight = float(expit(DOUBT.log_odds + _log_evidence(bent) - _log_evidence(plain)))
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
-    if deviation * size > DOUBT.too_rough * max(noise, DOUBT.least_px):
-        weight, off = 0.0, DOUBT.rough_std * given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
-    bent_covariance = (
-        DOUBT.widening**2 * inverse[2:4, 2:4] * np.outer(more, more)
-        + DOUBT.missed**2 * np.outer(apart, apart)
-        + DOUBT.floor**2 * np.diag(more**2)
+    bent_covariance = DOUBT.widening**2 * inverse[2:4, 2:4] * np.outer(more, more) + DOUBT.floor**2 * np.diag(
+        more**2
     )
     # What half of the finger's width contradicts beyond chance.
     gap = 0.0 if math.isnan(half_width) else half_width - given[0]
@@ -323,18 +317,6 @@ class _Curve(NamedTuple):
     def fitted(self, start: FloatArray) -> OptimizeResult:
         """Return the values of least squares; what is known beforehand counts as more observations."""
         return least_squares(self._off, start, self._slopes, x_scale="jac", max_nfev=100)
-
-    def bent(self, start: FloatArray, about: float) -> OptimizeResult:
-        """Return the best superellipse next to the best one whose exponents differ so far from 2."""
-        exponents = np.array([about, 0.0, 0.0, 0.0, 0.0])
-        held = least_squares(
-            lambda values: self._off(np.append(values, exponents)),
-            start,
-            lambda values: self._slopes(np.append(values, exponents))[:, : start.size],
-            x_scale="jac",
-            max_nfev=30,
-        )
-        return self.fitted(np.append(held.x, exponents))
 
     def deviation(self, values: FloatArray) -> float:
         """Return the points' standard deviation from a superellipse, but for those that stand out.
