@@ -170,20 +170,23 @@ def with_wrong_size(content: bytes, size: int) -> bytes:
     return content.replace(struct.pack("<I", real), struct.pack("<I", size))
 
 
+def xlsx_bomb() -> bytes:
+    return workbook(sheet_xml([HEADER, [0.0, 0.0, 0.0]]) + " " * 120_000_000)
+
+
 def mat_bomb() -> bytes:
     packed = zlib.compress(struct.pack("<II", 14, 120_000_000) + bytes(120_000_000))
     return mat(a=[1, 2])[:128] + struct.pack("<II", 15, len(packed)) + packed
 
 
-BLANK = sheet_xml([HEADER, *([0.0, 0.0, 0.0],)]) + " " * 120_000_000
 NO_MAT = "is no MAT file of version 7 or below"
 MANY_TEXTS = sheet_xml([["a"] * 2000]).replace('"inlineStr"><is><t>a</t></is>', '"s"><v>0</v>')
 MATLAB_7_3 = b"MATLAB 7.3 MAT-file, Platform".ljust(124) + b"\0\2IM" + bytes(384)
 HDF5 = b"\x89HDF\r\n\x1a\n"
 ENTITIES = '<!DOCTYPE a [<!ENTITY b "bb">]>' + sheet_xml([HEADER]).partition("?>")[2]
 BAD = {
-    "bomb.xlsx": (lambda: workbook(BLANK), "larger than 100 MB when unpacked: keep only the table"),
-    "said_small.xlsx": (lambda: with_wrong_size(workbook(BLANK), 500), "is no XLSX workbook, or a damaged"),
+    "bomb.xlsx": (xlsx_bomb, "larger than 100 MB when unpacked: keep only the table"),
+    "said_small.xlsx": (lambda: with_wrong_size(xlsx_bomb(), 500), "is no XLSX workbook, or a damaged"),
     "far.xlsx": (lambda: far("XFD1048576"), "has a sheet of 1048576 x 16384 cells"),
     "long_text.xlsx": (
         lambda: workbook(MANY_TEXTS, f"<si><t>{'x' * 1_000_000}</t></si>"),

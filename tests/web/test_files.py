@@ -244,22 +244,22 @@ def lying():
 
 
 BAD_ZIPS = {
-    "traversal": with_study(**{"../evil.png": b"x"}),
-    "absolute": with_study(**{"/tmp/evil.png": b"x"}),
-    "backslash": with_study(**{"..\\evil.png": b"x"}),
-    "bomb": with_study(**{"bomb.png": bytes(50_000_000)}),
-    "symlink": symlink(),
-    "lying": lying(),
-    "no study": zipped(**{"readme.txt": "x"}),
-    "no zip": b"PK\x03\x04 not really",
-    "cut": with_study(**{"x.png": png()})[:-30],
+    "traversal": lambda: with_study(**{"../evil.png": b"x"}),
+    "absolute": lambda: with_study(**{"/tmp/evil.png": b"x"}),
+    "backslash": lambda: with_study(**{"..\\evil.png": b"x"}),
+    "bomb": lambda: with_study(**{"bomb.png": bytes(50_000_000)}),
+    "symlink": symlink,
+    "lying": lying,
+    "no study": lambda: zipped(**{"readme.txt": "x"}),
+    "no zip": lambda: b"PK\x03\x04 not really",
+    "cut": lambda: with_study(**{"x.png": png()})[:-30],
 }
 
 
 @pytest.mark.parametrize("kind", BAD_ZIPS)
 def test_a_harmful_or_broken_zip_unpacks_nothing(client, studies_folder, kind):
     before = set(studies_folder.parent.rglob("*"))
-    answer = bring(client, BAD_ZIPS[kind])
+    answer = bring(client, BAD_ZIPS[kind]())
     assert answer.status_code in {400, 422}, answer.text
     assert answer.json()["error"]
     assert set(studies_folder.parent.rglob("*")) == before
