@@ -14,7 +14,6 @@ PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 MEASURED = {"palmar": (7.9, 0.1), "distal": 13.8, "radial_ulnar": 11.8}
 DEGREES = {
     "one wedge of several": lambda: Placement(PAD, wedge_angle=[0.5, 3.0]),
-    "wedge of Placement": lambda: Placement(PAD, wedge_angle=30),
     "roll of a few degrees": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=5),
     "wedge of a model": lambda: propagate(
         placement_model, Inputs.of(**MEASURED, wedge_angle=30, roll_angle=0)
@@ -22,12 +21,10 @@ DEGREES = {
     "roll of a model": lambda: run_monte_carlo(
         placement_model, Inputs.of(**MEASURED, wedge_angle=0.5, roll_angle=(10, 0.1))
     ),
-    "roll of Placement": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=10),
     "u of a point": lambda: PAD.point(45, 1.5),
     "v of a normal": lambda: PAD.normal(0.5, 90),
     "u of a curvature": lambda: PAD.curvature(45, 1.5),
     "axis of a cylinder": lambda: Counterface.cylinder(5, axis_angle=45),
-    "axis of a counterface": lambda: Counterface(radius=5, axis_angle=45),
     "angle of solve_gap": lambda: solve_gap(
         lambda x, y: (x**2 + y**2) / 20, Tissue(0.1), half_widths=(3, 3), angle=30, load=1.0
     ),

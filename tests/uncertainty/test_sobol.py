@@ -71,7 +71,6 @@ def test_agrees_with_scipy_with_interactions() -> None:
         ({"p": ("a",), "q": ("b",)}, {}, "input 'c' has a variance and belongs to no group"),
         ({"p": ("a", "b"), "q": ("c",)}, {}, "inputs 'b' and 'c' are correlated but in different groups"),
         ({"q": ("a", "b"), "p": ("c",)}, {}, "inputs 'b' and 'c' are correlated but in different groups"),
-        ({"p": ("a", "b", "c", "d")}, {}, "no input 'd'; there are a, b, c"),
         (GROUPS, {"draws": 1000}, "power of two, found 1000"),
     ],
 )
