@@ -85,6 +85,20 @@ def test_which_contacts_are_repeats(other, are_repeats):
     assert contact_repeatability(STUDY, large, seen)[False].count == 0
 
 
+def test_repeats_exceed_noise_by_no_more_than_they_scatter():
+    """A little less scatter than noise along one axis was a large one along the other."""
+    rng = np.random.default_rng(2)
+    noise = np.tile(np.diag([0.007**2, 0.014**2]), (12, 1, 1))
+    found = []
+    for _ in range(300):
+        axes = rng.normal(0, [0.007, 0.014], (12, 2))
+        of = ContactRepeatability.of(axes, noise, np.zeros(12))
+        assert np.linalg.eigvalsh(np.cov(axes.T) - of.covariance).min() > -1e-12
+        found.append(of.area_std)
+    # Of no scatter beyond noise of 1.4 % in area.
+    assert max(found) < 0.03
+
+
 def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path):
     """All that is said of repeats speaks of the contacts that are pooled."""
     out, path = tmp_path / "out", manifest(tmp_path, 6)

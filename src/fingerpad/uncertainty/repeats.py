@@ -74,10 +74,22 @@ class ContactRepeatability:
             means = np.stack([np.bincount(place, of) / size for of in axes.T], axis=-1)
             off = axes - means[place]
             found, share = off.T @ off / freedom, (1 - 1 / size[place]) / freedom
-            root = covariance_root(found - np.einsum("n,nij->ij", share, as_float_array(noise)))
-            covariance = root @ root.T  # without the negative eigenvalues of a difference
+            covariance = _excess(found, np.einsum("n,nij->ij", share, as_float_array(noise)))
         repeated = size[size > 1]
         return cls(covariance=covariance, freedom=freedom, groups=repeated.size, count=int(repeated.sum()))
+
+
+def _excess(found: FloatArray, noise: FloatArray) -> FloatArray:
+    """Return by how much a covariance exceeds that of noise; zero in directions in which it does not.
+
+    The directions are those in which both are independent (Amemiya 1985): those of the difference itself
+    depend on units, and can turn a lack of scatter along one axis into scatter along the other.
+    """
+    root = covariance_root(found + noise)
+    inverse = np.linalg.pinv(root)
+    size, direction = np.linalg.eigh(inverse @ (found - noise) @ inverse.T)
+    half = root @ direction * np.sqrt(np.maximum(size, 0))
+    return as_float_array(half @ half.T)
 
 
 def too_few_repeats(groups: int, freedom: int) -> str:
