@@ -294,6 +294,11 @@ def test_curves_of_one_placement_are_pooled(tmp_path):
         found = loading_radius(study(tmp_path, *given).curves, ("f", 30, False))
         assert found.value == pytest.approx(15.0)
         assert std is None or found.std == pytest.approx(std)
+    # One without an uncertainty would make all of them exact.
+    result = study(tmp_path, of_radius(14.0, loading_radius_mm_std=1.0), of_radius(20.0))
+    found = loading_radius(result.curves, ("f", 30, False))
+    assert (found.value, found.std) == (14.0, pytest.approx(1.0))
+    assert any(note.startswith("f at 30°, R_g as given: does not count") for note in result.notes)
 
 
 def test_a_bad_curve_costs_itself_only_and_the_report_shows_fits_and_reasons(tmp_path):

@@ -1,5 +1,6 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing
@@ -186,7 +187,7 @@ def run_study(
                         *map(_DAMAGED.format, damaged),
                         *_notes(measured, log),
                         *study.doubts(),
-                        *_unit_notes(measured.curves),
+                        *_loading_notes(measured.curves),
                         *_repeated_files(measured),
                         *_resolution_notes(study, folder),
                         *_column_notes(study, folder),
@@ -254,9 +255,14 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
 
 
-def _unit_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
-    """Yield which quantities of loading curves look as if they were in another unit."""
+def _loading_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
+    """Yield which loading data look as if they were in another unit, and which do not count."""
+    curves = list(curves)
+    known = {one.manifest.finger_and_wedge for one in curves if math.isfinite(one.loading_radius_std)}
     for curve in curves:
+        uncertain = math.isfinite(curve.loading_radius) and not math.isfinite(curve.loading_radius_std)
+        if uncertain and curve.manifest.finger_and_wedge in known:
+            yield f"{curve.name}: does not count beside loading data of known uncertainty: state its own"
         if curve.curve is not None:
             for doubt in unit_doubts(curve.curve.load, curve.curve.indentation, curve.curve.area):
                 yield f"{curve.manifest.file}: {doubt}"

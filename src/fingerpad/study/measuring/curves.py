@@ -345,7 +345,7 @@ class LoadingRadius(NamedTuple):
 def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, bool]) -> LoadingRadius | None:
     """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any.
 
-    A press that is given twice counts once.
+    A press that is given twice counts once, and none without an uncertainty beside others that have one.
     """
     presses: dict[object, CurveResult] = {}
     for one in curves:
@@ -354,7 +354,8 @@ def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, boo
             presses.setdefault(one.manifest.press or id(one), one)
     if not presses:
         return None
-    fitting = list(presses.values())
+    known = [one for one in presses.values() if math.isfinite(one.loading_radius_std)]
+    fitting = known or list(presses.values())
     *_, synthetic = pressed
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
