@@ -32,7 +32,6 @@ _BENT: Final = 0.005
 # Side lengths of pixels that differ by more show a tilt that one scale for all cannot describe.
 _TILTED: Final = 0.01
 _MIN_POINTS: Final = 3
-_STEP: Final = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -92,7 +91,8 @@ class Grid(Displayed):
     @property
     def residual(self) -> float:
         """Root mean square distance of the points from those of the fitted plane, px, per coordinate."""
-        off = (self._project(self.homography) - self.points).ravel()
+        seen = _plane(*self.points.shape[:2]) @ self.homography.T
+        off = (seen[..., 1::-1] / seen[..., 2:] - self.points).ravel()
         return math.sqrt(float(off @ off) / max(off.size - 8, 1))
 
     @property
@@ -103,8 +103,7 @@ class Grid(Displayed):
     @property
     def variation(self) -> float:
         """Greatest relative difference of the scale on the grid from that of its middle."""
-        local = np.exp(self._log_scale(self.homography))
-        return float(np.abs(local / math.exp(local_middle(np.log(local))) - 1).max())
+        return float(np.abs(self._local_mm_per_px / self._mm_per_px - 1).max())
 
     @property
     def unevenness(self) -> float:
@@ -134,7 +133,7 @@ class Grid(Displayed):
     def scale(self) -> Scale:
         """One scale for pictures that are not rectified: that of the middle of the grid.
 
-        Its uncertainty holds that of the spacing, of the fit, and what sides of pixels differ by with
+        Its uncertainty holds that of the spacing, the unevenness, and what sides of pixels differ by with
         direction and place, uniformly distributed: it is large where the plane is tilted.
         """
         off = float(np.abs(np.log(self._sides * self._mm_per_px / self.spacing_mm)).max())
@@ -142,38 +141,29 @@ class Grid(Displayed):
 
     @property
     def rectified_scale(self) -> Scale:
-        """That of rectified pictures: uncertain by the spacing, the fit and the unevenness."""
+        """That of rectified pictures: uncertain by the spacing and the unevenness."""
         return self._scale()
 
     @cached_property
     def _sides(self) -> FloatArray:
         """Longer and shorter side, px, of a square of one spacing at each point, (rows, columns, 2)."""
-        return as_float_array(np.linalg.svd(self._jacobians(self.homography), compute_uv=False))
+        seen = _plane(*self.points.shape[:2]) @ self.homography.T
+        slopes = self.homography[:2, :2] - (seen[..., :2] / seen[..., 2:])[..., None] * self.homography[2, :2]
+        return as_float_array(np.linalg.svd(slopes / seen[..., 2, None, None], compute_uv=False))
+
+    @cached_property
+    def _local_mm_per_px(self) -> FloatArray:
+        """Scale at each point, by the side of a square as large as a pixel, (rows, columns)."""
+        return as_float_array(self.spacing_mm / np.sqrt(self._sides.prod(axis=-1)))
 
     @cached_property
     def _mm_per_px(self) -> float:
         """Scale in the middle of the grid."""
-        return math.exp(local_middle(self._log_scale(self.homography)))
-
-    @cached_property
-    def _fit_std(self) -> float:
-        """Relative standard uncertainty of the scale from that of the points."""
-        flat = self.homography.ravel() / self.homography[2, 2]
-
-        def at(values: FloatArray) -> FloatArray:
-            """Return where a homography has the points, and then the logarithm of the scale."""
-            matrix = np.append(values, 1.0).reshape(3, 3)
-            return np.append(self._project(matrix), local_middle(self._log_scale(matrix)))
-
-        changes = np.diag(_STEP * np.maximum(np.abs(flat[:8]), 1e-6))
-        slopes = np.array([(at(flat[:8] + one) - at(flat[:8] - one)) / (2 * one.sum()) for one in changes])
-        slopes /= np.linalg.norm(slopes[:, :-1], axis=1, keepdims=True)
-        scaled, gradient = slopes[:, :-1], slopes[:, -1]
-        return self.residual * math.sqrt(float(gradient @ np.linalg.solve(scaled @ scaled.T, gradient)))
+        return math.exp(local_middle(np.log(self._local_mm_per_px)))
 
     def _scale(self, more_std: float = 0.0) -> Scale:
         uneven = self.unevenness  # the middle may be wrong by as much
-        relative = math.hypot(self.spacing_mm_std / self.spacing_mm, self._fit_std, uneven, more_std)
+        relative = math.hypot(self.spacing_mm_std / self.spacing_mm, uneven, more_std)
         return Scale(self._mm_per_px, self._mm_per_px * relative)
 
     def rectified(self, pixels: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Scale]:
@@ -191,7 +181,7 @@ class Grid(Displayed):
             With square pixels that are as large as those of the picture in the middle of the grid; black
             beyond the picture.
         scale : Scale
-            Its uncertainty is that of the spacing and of the fit.
+            That of `rectified_scale`.
         """
         rows, columns = pixels.shape[:2]
         pitch = self._mm_per_px / self.spacing_mm  # spacings per px
@@ -208,24 +198,6 @@ class Grid(Displayed):
             pixels, self.homography @ move, size, flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
         )
         return np.asarray(seen), self.rectified_scale
-
-    def _project(self, matrix: FloatArray) -> FloatArray:
-        """Return where a homography has the points, (row, column)."""
-        seen = _plane(*self.points.shape[:2]) @ matrix.T
-        return np.asarray(seen[..., 1::-1] / seen[..., 2:])
-
-    def _jacobians(self, matrix: FloatArray) -> FloatArray:
-        """Return the derivative of px by spacings at each point, (rows, columns, 2, 2)."""
-        seen = _plane(*self.points.shape[:2]) @ matrix.T
-        place = seen[..., :2] / seen[..., 2:]
-        slope = matrix[:2, :2] - place[..., None] * matrix[2, :2]
-        return np.asarray(slope / seen[..., 2, None, None])
-
-    def _log_scale(self, matrix: FloatArray) -> FloatArray:
-        """Return the logarithm of mm per px at each point: the side of a square as large as a pixel."""
-        return np.asarray(
-            math.log(self.spacing_mm) - np.log(np.abs(np.linalg.det(self._jacobians(matrix)))) / 2
-        )
 
 
 def _plane(rows: int, columns: int) -> FloatArray:

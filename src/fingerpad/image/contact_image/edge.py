@@ -191,12 +191,7 @@ def fade_signs(
 
 
 def _fade(signs: FadeSigns) -> float:
-    """Return how far the edge of a fading contact lies beyond its outline, periods.
-
-    Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast: less
-    ridge in the last period than in the one before, and what still varies along the outline outside, show how
-    far. Those are ridges; a halo, a dark rim or stray light is smooth.
-    """
+    """Return how far the edge of a fading contact lies beyond its outline, periods."""
     shift = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
     return EDGE.sharp + float(shift)
 
@@ -204,7 +199,8 @@ def _fade(signs: FadeSigns) -> float:
 def telling(signs: FadeSigns) -> dict[str, float]:
     """Return what of each sign tells how far the edge lies beyond its outline; `EDGE` says by how much.
 
-    An outline that follows a ridge ends at it, where the contact may go on over the valley beyond. Blur shows
+    Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast. An
+    outline that follows a ridge ends at it, where the contact may go on over the valley beyond. Blur shows
     ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to it, within
     a tenth of a mm. More of them tell no more, unless ridges are seen beyond too. Where pressure falls off
     slowly, as that of a bell, ridges get too thin to be seen long before the contact ends, and the last

@@ -48,15 +48,12 @@ def measure_contact_image(
     """Measure the contact patch in a grey contact image.
 
     The edge of a contact is where its outermost ridges stop touching. A region closed over ridges ends at
-    their ends where the outline crosses them, and at the outer border of the last ridge where it follows one.
-    There the outline is moved out: if the true edge falls at random on ridges and on valleys of share v of
-    the period P, it lies v²P/2 further out on average. Where ridges fade towards the edge, those that are
-    still seen just outside the outline show by how much it lies further out; a halo or a rim, which are
-    smooth along it, do not count. How far is partly a matter of definition: 0.08 P for sharp edges to 0.5 P
-    for those that fade, about 0.04 to 0.2 mm, stand in the covariance as an offset that all of the outline
-    shares, and all images of a device. The uncertainty of the semi-axes contains besides what their
-    definition leaves open where the outline is no ellipse, and a fade that differs between the tips and the
-    sides.
+    their ends, or at the outer border of the last ridge. Where ridges fade towards the edge, those that are
+    still seen just outside show by how much it lies further out; a halo or a rim, which are smooth along it,
+    do not count. How far is partly a matter of definition: about 0.04 to 0.2 mm stand in the covariance as an
+    offset that all of the outline shares, and all images of a device. The uncertainty of the semi-axes
+    contains besides what their definition leaves open where the outline is no ellipse, and a fade that
+    differs between the tips and the sides.
 
     A contact without ridges, that of a silicone fingertip or of a gel, is measured with ``surface="smooth"``:
     its edge is half-way on the step from the contact to what lies around it, and with a picture of the empty
@@ -65,10 +62,10 @@ def measure_contact_image(
     the outline shares. All that concerns ridges is NaN. Colours of the picture count.
 
     Ridge area is what lies, in means along the ridges, about half-way from the level of the valleys to that
-    of the ridges around, inside the outline. That level is shifted by what blur does to ridges of such width,
-    by grain within the ridges, and by valleys that the device clips to white; what these leave unknown stands
-    in the uncertainty. Sweat and ink beside a ridge count as ridge: where ridges fill more than 59 % of the
-    contact, the ridge area is flagged as an upper bound, and less certain.
+    of the ridges around, inside the outline. That level is shifted by what blur does to ridges of such width
+    and by grain within the ridges; what these leave unknown stands in the uncertainty. Sweat and ink beside a
+    ridge count as ridge: where ridges fill more than 59 % of the contact, the ridge area is flagged as an
+    upper bound, and less certain.
 
     Parameters
     ----------

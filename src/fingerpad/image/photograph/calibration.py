@@ -65,10 +65,7 @@ class RadiusDoubt:
     window: float = 0.35  # radii of curvature on either side
     degree: int = 3  # of the polynomial in it
     seen: float = 0.85  # share of the window with points, on either side
-    missed_std: float = 0.04  # relative; by changes of curvature in the window
-    wider: float = 0.5  # radii of curvature; another window
-    higher: int = 5  # degree in that window
-    of_difference: float = 0.55  # share of the difference to the radii of the wider window
+    missed_std: float = 0.06  # relative; by changes of curvature in the window
     axis_std: float = math.radians(2.5)  # radians; the finger's axis from the ellipse's, beyond its own
 
 

@@ -54,9 +54,9 @@ def measure_photograph(
     """Measure two semi-axes of the finger pad in a photograph of one face.
 
     The arc is the longest about the pad's middle that one ellipse fits; or all the outline inside
-    `region_of_interest`, or from the first to the last of `points`. Beyond
-    ends that are given the outline, which has no corner, still informs the fit. The ellipse lies along the
-    finger's own axis, as its sides show it, within what they leave open.
+    `region_of_interest`, or from the first to the last of `points`: beyond such ends the outline, which has
+    no corner, still informs the fit. The ellipse lies along the finger's own axis, as its sides show it,
+    within what they leave open.
 
     No finger is an ellipse. A superellipse, with an exponent for each quadrant, is fitted to the same arc; by
     the odds of the two, what its semi-axes differ by stands in the covariance. Where its mean exponent

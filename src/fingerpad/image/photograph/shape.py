@@ -171,24 +171,17 @@ def radius_of_outline(
         return _UNSEEN[:2]
     frame = np.array([[-math.sin(angle), math.cos(angle)], [math.cos(angle), math.sin(angle)]])
     seen, ellipse = points @ frame.T, _Ellipse(semi_axes, frame)
-    radius, noise, third = _fit_radius(seen, ellipse, RADIUS.window, RADIUS.degree)
-    if math.isnan(radius):
-        return _UNSEEN[:2]
-    degrees = (RADIUS.degree, RADIUS.higher)
-    others = (_fit_radius(seen, ellipse, RADIUS.wider, degree)[0] for degree in degrees)
-    changes = [RADIUS.of_difference * math.log(one / radius) for one in others if math.isfinite(one)]
+    radius, noise, third = _fit_radius(seen, ellipse)
     turn = third * radius**2 * math.hypot(angle_std, RADIUS.axis_std)
-    return radius, radius * math.hypot(noise * radius, turn, RADIUS.missed_std, *changes)
+    return radius, radius * math.hypot(noise * radius, turn, RADIUS.missed_std)
 
 
-def _fit_radius(
-    seen: FloatArray, ellipse: _Ellipse, window: float, degree: int
-) -> tuple[float, float, float]:
+def _fit_radius(seen: FloatArray, ellipse: _Ellipse) -> tuple[float, float, float]:
     """Return the radius, the standard uncertainty of the curvature, the third derivative; or NaN."""
     along, out = seen.T
     place, radius = float(along[out.argmax()]), ellipse.radius
     for _ in range(_ROUNDS):
-        half = window * radius
+        half = RADIUS.window * radius
         near = (np.abs(along - place) < half) & (out > out.max() - half)
         s = (along[near] - place) / half
         if near.sum() < _MIN_POINTS_OF_RADIUS or s.min() > -RADIUS.seen or s.max() < RADIUS.seen:
@@ -196,7 +189,7 @@ def _fit_radius(
         off = out[near] - ellipse.height(s * half)
         if not np.isfinite(off).all():
             return _UNSEEN
-        curve = np.polynomial.Polynomial.fit(s, off, degree, domain=[-1, 1])
+        curve = np.polynomial.Polynomial.fit(s, off, RADIUS.degree, domain=[-1, 1])
         # The place moves by one step of Newton's method on the slope.
         slope, bend = float(curve.deriv(1)(0)), float(curve.deriv(2)(0)) - half**2 / ellipse.radius
         if not bend < 0:
@@ -206,9 +199,9 @@ def _fit_radius(
         before, radius = radius, float(np.clip(-(half**2) / bend, radius / _MAX_CHANGE, radius * _MAX_CHANGE))
         if abs(radius / before - 1) < 0.01 and abs(top) < 0.02:
             break
-    design = np.vander(s, degree + 1, increasing=True)
+    design = np.vander(s, RADIUS.degree + 1, increasing=True)
     left = off - curve(s)
-    freedom = max(len(left) / correlation_length(left, np.arange(len(left))) - degree - 1, 2)
+    freedom = max(len(left) / correlation_length(left, np.arange(len(left))) - RADIUS.degree - 1, 2)
     noise = 2 * math.sqrt(np.linalg.inv(design.T @ design)[2, 2] * float(left @ left) / freedom) / half**2
     return radius, noise, float(curve.deriv(3)(0)) / half**3 + ellipse.third
 
