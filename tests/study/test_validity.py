@@ -371,3 +371,19 @@ def test_evidence_of_one_check_is_not_lost_by_adding_others_that_agree():
     assert against[0].verdict == NOT_TESTED
     assert "would hide" not in against[0].note
     assert "may be chance" in against[0].note
+
+
+def test_the_shape_is_as_uncertain_as_presses_differ(tmp_path):
+    rng = np.random.default_rng(4)
+    aspect = rng.normal(0.05, 0.08, 6)
+    presses = [
+        studies.contact(f"c{n}", ellipse=(6 * np.exp(one / 2), 6 * np.exp(-one / 2)), std=0.02, axis="across")
+        for n, one in enumerate(np.maximum(aspect, 0))
+    ]
+    exact = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
+    result = studies.run(tmp_path, studies.finger(std=1e-6), *presses, uncertainty=exact)
+    shape = named(result.validities[0], "shape")
+    scatter = result.repeatability[False].aspect_ratio_std
+    assert shape.value_std / shape.value == pytest.approx(scatter, rel=0.02)
+    # Five degrees of freedom.
+    assert shape.p_value == pytest.approx(2 * stats.t.sf(abs(shape.deviations), 5), rel=0.05)

@@ -95,8 +95,9 @@ class FingerAtAngle:
         self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
         repeats = repeatability.get(summary.synthetic)
         self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
+        self.press_freedom = math.inf  # degrees of freedom of how presses scatter
         if repeats is not None and repeats.known:
-            self.press_std = repeats.area_std
+            self.press_std, self.press_freedom = repeats.area_std, float(repeats.freedom)
 
     @property
     def has_modulus(self) -> bool:
@@ -119,6 +120,11 @@ class FingerAtAngle:
         return NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
 
 
+def _freedom(freedom: float, part: float, whole: float) -> float:
+    """Return the degrees of freedom of a variance of which one part is known from few (Satterthwaite)."""
+    return freedom * (whole / part) ** 2 if part > 0 else math.inf
+
+
 class _Areas(NamedTuple):
     """Logarithms of loads, ascending, and of areas, their uncertainties, and of which item each is."""
 
@@ -127,6 +133,7 @@ class _Areas(NamedTuple):
     own: FloatArray
     edges: list[FloatArray]
     item: Indices
+    freedom: float  # degrees of freedom from which `own` is known
 
 
 def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
@@ -136,12 +143,14 @@ def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     load_std = HERTZ_EXPONENT * case.study.uncertainty.load_relative_std
     # Another press has another area; the frames of a sequence are one press.
     press_std = np.where(rows["sequence"].isna(), case.press_std, 0.0)
+    own = np.maximum(np.sqrt(area_noise(rows) ** 2 + load_std**2 + press_std**2), _LEAST_STD)
     seen = _Areas(
         load=np.log(rows["load_N"].to_numpy()),
         area=np.log(np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()),
-        own=np.maximum(np.sqrt(area_noise(rows) ** 2 + load_std**2 + press_std**2), _LEAST_STD),
+        own=own,
         edges=edges_of(rows),
         item=items_of(rows),
+        freedom=_freedom(case.press_freedom, float(np.sum(press_std**2)), float(np.sum(own**2))),
     )
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
         why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
@@ -166,7 +175,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
         HERTZ_EXPONENT,
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
         effect_on="E",
-        degrees_of_freedom=freedom if scatters else math.inf,
+        degrees_of_freedom=freedom if scatters else seen.freedom,
         note=f"over {_range(seen.load[0], seen.load[-1])}; ± from the "
         + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
         + (" and the contact edge" if np.any(seen.edges) else ""),
@@ -209,7 +218,7 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
         difference_of="E",
         relative_std=-_OF_MODULUS * float(std[worst]),
         deviations=deviations,
-        p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
+        p_value=min(1.0, p_value_of(deviations, seen.freedom) / 2 * grown.size),  # of one side
         note=f"from {_range(*ends)}",
     )
 
@@ -241,6 +250,7 @@ def _by_level(seen: _Areas) -> _Areas:
         own=math.sqrt(max(1.0, scatter)) * mean(seen.own) / np.sqrt(np.bincount(items)),
         edges=[mean(edge) for edge in seen.edges],
         item=np.arange(level[-1] + 1),
+        freedom=seen.freedom,
     )
 
 
@@ -256,6 +266,7 @@ class Shape(NamedTuple):
     predicted: float
     predicted_std: float
     known: bool
+    freedom: float  # degrees of freedom from which both together are known
 
     def against(self, predicted: float, check: ValidityCheck) -> ValidityCheck:
         """Compare what was measured with a prediction, which is as uncertain as that of Hertz theory."""
@@ -263,7 +274,7 @@ class Shape(NamedTuple):
         expected = math.exp(predicted)
         note = "" if self.known else "the contact's direction is not known: only its aspect ratio is compared"
         value, reference = (ratio, ratio * self.std), (expected, expected * self.predicted_std)
-        return check.of_ratio(value, reference, note=note)
+        return check.of_ratio(value, reference, degrees_of_freedom=self.freedom, note=note)
 
 
 def measured_shape(case: FingerAtAngle) -> Shape | None:
@@ -273,8 +284,9 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
         return None
 
     def elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
-        radius, half = inputs["image_scale"] * inputs["contact_radius"], np.exp(0.5 * inputs["elongation"])
-        edge = inputs["edge_offset"]
+        # Another press under the same load has another shape.
+        half = np.exp(0.5 * (inputs["elongation"] + inputs["elongation_deviation"]))
+        radius, edge = inputs["image_scale"] * inputs["contact_radius"], inputs["edge_offset"]
         return {
             "measured": np.log(radius * half + edge) - np.log(radius / half + edge),
             "predicted": pad_model(**inputs)["predicted_elongation"],
@@ -284,12 +296,15 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
     direction = {"along": 1.0, "across": -1.0}.get(row["long_axis"] or "")
     if row["orientation_deg"] is not None:
         direction = math.cos(2 * math.radians(row["orientation_deg"]))
+    std, predicted_std = float(found["measured"].std), float(found["predicted"].std)
+    of_repeats = float(found.budget("measured").get("repeatability", 0.0)) * std**2
     return Shape(
         measured=float(found["measured"].value) * (1.0 if direction is None else direction),
-        std=float(found["measured"].std),
+        std=std,
         predicted=float(found["predicted"].value),
-        predicted_std=float(found["predicted"].std),
+        predicted_std=predicted_std,
         known=direction is not None,
+        freedom=_freedom(case.press_freedom, of_repeats, std**2 + predicted_std**2),
     )
 
 

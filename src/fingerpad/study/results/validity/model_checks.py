@@ -49,6 +49,7 @@ class ValidityCheck(CheckRecord):
         reference: tuple[float, float],
         *,
         log_std: float | None = None,
+        degrees_of_freedom: float = math.inf,
         note: str = "",
     ) -> Self:
         """Compare a positive quantity with another value of it, by the logarithm of their ratio.
@@ -65,7 +66,7 @@ class ValidityCheck(CheckRecord):
             relative_difference=math.expm1(ratio),
             relative_std=spread,
             deviations=deviations,
-            p_value=p_value_of(deviations),
+            p_value=p_value_of(deviations, degrees_of_freedom),
             note=note,
         )
 
