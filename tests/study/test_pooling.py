@@ -78,7 +78,8 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path):
         for number, elongation in enumerate(elongations):
             major, minor = 6 * math.exp(elongation / 2), 6 * math.exp(-elongation / 2)
             std = 0.1 * math.sqrt(2) / math.hypot(1 / major, 1 / minor)  # √2 · 0.1 of the elongation
-            contacts.append(studies.contact(f"c{number}", 1, (major, minor), std=std, axis=""))
+            # Under different loads: contacts under one would be repeats.
+            contacts.append(studies.contact(f"c{number}", number + 1, (major, minor), std=std, axis=""))
         return studies.run(tmp_path, studies.finger(), *contacts, uncertainty=STATED)
 
     scattered, mean = measured([0.3, 0.5]), first_record(measured([0.4]).rows)["radius_from_indentation_mm"]

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from fingerpad._rounding import two_digits
+from fingerpad._words import counted
 from fingerpad.study.results.repeats import LEVELS, SCATTER_OF
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import ScatterLevelRecord, ScatterRecord
@@ -35,7 +36,7 @@ def borrowed(found: ContactRepeatability) -> str:
     return (
         f"{percent(found.area_std)} in area and {percent(found.aspect_ratio_std)} in aspect ratio, "
         f"from {found.count} repeats of {found.groups} contact{'s' if found.groups > 1 else ''} "
-        f"({found.freedom} degrees of freedom)"
+        f"({counted(found.freedom, 'degree')} of freedom)"
     )
 
 

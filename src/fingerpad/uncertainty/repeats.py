@@ -45,8 +45,8 @@ class ContactRepeatability:
 
     @property
     def known(self) -> bool:
-        """Whether there are enough repeats."""
-        return self.freedom >= MIN_REPEAT_FREEDOM
+        """Whether there are repeats: how far even two lie apart says more of the next than nothing."""
+        return self.freedom > 0
 
     @property
     def area_std(self) -> float:
@@ -70,7 +70,7 @@ class ContactRepeatability:
         _, place, size = np.unique(group, return_inverse=True, return_counts=True)
         freedom = len(axes) - size.size
         covariance = np.zeros((2, 2))
-        if freedom >= MIN_REPEAT_FREEDOM:
+        if freedom:
             means = np.stack([np.bincount(place, of) / size for of in axes.T], axis=-1)
             off = axes - means[place]
             found, share = off.T @ off / freedom, (1 - 1 / size[place]) / freedom

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import islice, takewhile
 from types import MappingProxyType
@@ -142,9 +143,16 @@ class _Repeats:
         """Return how they scatter."""
         axes, noise = self._axes.array, self._noise.array
         usable = np.isfinite(axes).all(axis=-1) & np.isfinite(noise).all(axis=(-2, -1))
-        condition = conditions_of(self._placed, self._load.array)
-        group = numbered(zip(self._unit, condition.tolist(), strict=True))
+        condition = conditions_of(self._placed, self._load.array).tolist()
+        group = numbered(zip(self._unit, condition, strict=True))
+        if _no_repeats(group[usable]):  # sessions of one press each: these are its repeats
+            group = numbered((finger, of) for (finger, _), of in zip(self._unit, condition, strict=True))
         return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
+
+
+def _no_repeats(group: Indices) -> bool:
+    """Return whether no two contacts are of one group."""
+    return group.size == np.unique(group).size
 
 
 def study_scatter(study: Study, table: pd.DataFrame) -> list[ScatterRecord]:
@@ -179,7 +187,12 @@ def _scatter(
     }
     placed = zip(*(items(rows[name]) for name in _PLACED), strict=True)
     condition = conditions_of(placed, rows["load_N"].to_numpy())
+    in_repeats = _no_repeats(numbered(zip(levels["session"].tolist(), condition.tolist(), strict=True)))
+    if in_repeats:
+        del levels["session"]
     scatter = nested_scatter(np.log(values), levels, condition, _BETWEEN)
+    if in_repeats:
+        scatter = _with_sessions_in_repeats(scatter)
     named = {"person": any(persons[name] for name in fingers), "session": any(sessions), "finger": True}
     outwards = np.array([one.std for one in reversed(scatter.components.values())])
     limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
@@ -205,6 +218,14 @@ def _scatter(
             for (level, one), limit in zip(scatter.components.items(), limits.tolist(), strict=True)
         ],
     )
+
+
+def _with_sessions_in_repeats(scatter: NestedScatter) -> NestedScatter:
+    """Return the scatter of contacts that are each the only one of their session under a load."""
+    *outer, (_, repeat) = scatter.components.items()
+    unknown = ScatterComponent(std=math.nan, interval=(math.nan, math.nan), freedom=0, groups=0, count=0)
+    repeat = replace(repeat, includes=("session",) if repeat.known else ())
+    return replace(scatter, components={**dict(outer), "session": unknown, REPEAT: repeat})
 
 
 def unlike_repeats(
@@ -303,7 +324,9 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
         return {
             "person": "one person",
             "finger": "no person has two fingers under one load",
-            "session": "no finger has two sessions under one load",
+            "session": "part of the repeats: no session has two contacts under one load"
+            if level in repeat.includes
+            else "no finger has two sessions under one load",
         }[level]
     return f"{counted(one.freedom, 'degree')} of freedom; {MIN_LEVEL_FREEDOM} are needed"
 
