@@ -367,10 +367,13 @@ def test_the_long_axis_is_told_from_the_finger(orientation, finger_axis, long_ax
     assert row.long_axis == long_axis
 
 
-def test_a_scale_s_uncertainty_widens_the_axes():
-    given = {"mm_per_unit": 0.05, "semi_axis_mm_std": 0.3, "relative_scale_std": 0.08}
-    (row,) = observations(ellipse("a", 100, 100), **given)
-    assert (row.semi_major_mm, row.ellipse_mm_std) == pytest.approx((5.0, 0.5))  # 0.3 and 0.4 in quadrature
+def test_an_uncertain_scale_stands_beside_the_axes():
+    given = {"mm_per_unit": 0.05, "semi_axis_mm_std": 0.3}
+    (row,) = observations(ellipse("a", 100, 100), relative_scale_std=0.08, **given)
+    assert (row.semi_major_mm, row.ellipse_mm_std) == pytest.approx((5.0, 0.3))
+    assert (row.mm_per_px, row.scale_relative_std) == (0.05, 0.08)
+    (exact,) = observations(ellipse("a", 100, 100), **given)
+    assert (exact.mm_per_px, exact.scale_relative_std) == (None, None)
 
 
 @pytest.mark.parametrize(

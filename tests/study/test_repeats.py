@@ -108,6 +108,24 @@ def test_few_repeats_at_one_load_widen_its_mean(count, quantile):
     assert half > quantile * spread
 
 
+@pytest.mark.parametrize("scale", ["camera", {"mm_per_px": 0.05, "relative_std": 0.02}])
+def test_repeats_do_not_average_out_the_scale_of_their_ellipses(tmp_path, scale):
+    rng = np.random.default_rng(3)
+    presses = [
+        studies.contact(f"c{k}", ellipse=(7.4 + move, 5 + move), std=0.02, scale=scale)
+        for k, move in enumerate(rng.normal(0, 0.05, 16))
+    ]
+    given = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
+    manifest = studies.write_study(tmp_path, finger(std=1e-6), *presses, uncertainty=given)
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(f"{text}\n[scales.camera]\nppi = 500\nrelative_std = 0.02\n", encoding="utf-8")
+    result = run_study(manifest, tmp_path / "out")
+    (mean,) = result.by_load
+    assert 0.04 < mean.contact_area_mm2_std / mean.contact_area_mm2 < 0.042
+    assert 0.06 < mean.youngs_modulus_kpa_std / mean.youngs_modulus_kpa < 0.063
+    assert mean.contact_area_mm2_other_std / mean.contact_area_mm2 == pytest.approx(0.04, rel=0.01)
+
+
 def test_repeats_exceed_noise_by_no_more_than_they_scatter():
     """A little less scatter than noise along one axis was a large one along the other."""
     rng = np.random.default_rng(2)

@@ -59,7 +59,9 @@ class ManualObservation(BaseModel):
     roll_angle_deg: RollAngle | None = None
     semi_major_mm: float
     semi_minor_mm: float
-    ellipse_mm_std: float  # standard uncertainty of either semi-axis
+    ellipse_mm_std: float  # standard uncertainty of either semi-axis, without that of the scale
+    mm_per_px: float | None = None  # scale that the lengths were made with, where it is uncertain
+    scale_relative_std: float | None = None
     long_axis: str | None  # where it lies, if the picture tells
     synthetic: bool  # whether the picture was rendered
     notes: str  # where it comes from, and doubts
@@ -85,7 +87,7 @@ def manual_observations(
     """Turn ellipses into observations.
 
     `mm_per_unit` is mm per px, or 1 for a table in mm; `semi_axis_mm_std` that of either semi-axis as a
-    person finds it; `relative_scale_std` is added to each row as if it were the row's own. `known` are those
+    person finds it; `relative_scale_std` is that of `mm_per_unit`, which all rows share. `known` are those
     of `FIELDS` that are the same for all; the `pattern` tells others by labels, as of `match_file_names`.
     `finger_axis_deg` is from straight up, counter-clockwise. The `unit_hint` says of an impossible length
     in which unit the program measures.
@@ -120,7 +122,9 @@ def manual_observations(
             "name": free_name(plain_label[:_LONGEST_NAME] or "contact", names),  # with room for a number
             "semi_major_mm": major,
             "semi_minor_mm": minor,
-            "ellipse_mm_std": math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
+            "ellipse_mm_std": semi_axis_mm_std,
+            "mm_per_px": mm_per_unit if relative_scale_std else None,
+            "scale_relative_std": relative_scale_std or None,
             "long_axis": _long_axis(ellipse, finger_axis_deg),
             "synthetic": synthetic,
             "notes": "; ".join((f"measured manually: {ellipse.source}", *ellipse.doubts)),

@@ -380,7 +380,7 @@ class PlacedFinger(ManifestModel):
     roll_angle_deg: RollAngle = 0.0
     """Roll about the finger's long axis: 0 is flat, ±90 on a lateral face."""
     scale: ScaleKey | None = None
-    """Name of a scale, or a table of its own."""
+    """Name of a scale, or a table of its own; of an ellipse, the one that its millimetres were made with."""
     background: str | None = None
     """Picture of the empty platen, which is divided out."""
     finger_axis_deg: Finite = 0.0
@@ -412,7 +412,7 @@ class ContactEllipse(ManifestModel):
     semi_minor: Length
     """Smaller semi-axis, mm."""
     std: LengthStd
-    """Standard uncertainty of either, mm."""
+    """Standard uncertainty of either, mm; without that of the scale, where the observation states one."""
     long_axis: Direction | None = None
     """Direction of the larger one relative to the finger."""
 
@@ -444,7 +444,7 @@ class Observation(PlacedFinger):
             raise ValueError("give either file or ellipse_mm, one of the two")
         if self.file is not None and self.scale is None:
             raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
-        idle = sorted(self.model_fields_set & _IMAGE_KEYS)
+        idle = sorted(self.model_fields_set & (_IMAGE_KEYS - {"scale"}))
         if self.file is None and idle:
             raise ValueError(
                 f"without an image there is no use for {', '.join(idle)}; remove what is not meant"

@@ -22,7 +22,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection
 from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.task import Record, Task, Work, in_study
-from fingerpad.study.manifest.models import Contact, Direction, Observation, ScaleKey
+from fingerpad.study.manifest.models import Contact, ContactEllipse, Direction, Observation, ScaleKey
 from fingerpad.study.measuring.context import FoundScale, OneTaskItem, RunContext, require_scale
 
 
@@ -118,13 +118,7 @@ def measure_observation(
 ) -> Measurement:
     """Measure one observation and write its overlay; the person's verdict is added by `reviewed`."""
     if observation.ellipse_mm is not None:
-        ellipse = observation.ellipse_mm
-        return Measurement(
-            semi_major_mm=ellipse.semi_major,
-            semi_minor_mm=ellipse.semi_minor,
-            covariance_mm2=ellipse.std**2 * np.eye(2),
-            long_axis=ellipse.long_axis,
-        )
+        return _given_ellipse(observation.ellipse_mm, None if scale is None else require_scale(scale))
     assert observation.file is not None  # the manifest's own rule
     assert scale is not None
     found = require_scale(scale)
@@ -195,6 +189,20 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
         mm_per_px_std=found.scale.mm_per_px_std,
         # Manual corrections have a column.
         flags=(*(flag for flag in contact_image.flags if flag != "edited_manually"), *found.flags),
+    )
+
+
+def _given_ellipse(ellipse: ContactEllipse, made_with: FoundScale | None) -> Measurement:
+    """Return an ellipse measured elsewhere; both axes share the error of its scale."""
+    axes = np.array([ellipse.semi_major, ellipse.semi_minor])
+    relative = made_with.scale.relative_std if made_with else 0.0
+    return Measurement(
+        semi_major_mm=ellipse.semi_major,
+        semi_minor_mm=ellipse.semi_minor,
+        covariance_mm2=ellipse.std**2 * np.eye(2) + relative**2 * np.outer(axes, axes),
+        long_axis=ellipse.long_axis,
+        scale=made_with.name if made_with else None,
+        relative_scale_std=relative,
     )
 
 

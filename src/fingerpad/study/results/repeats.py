@@ -445,7 +445,11 @@ def _at_load(
     area = contact_quantity(rows, "contact_area")
     noise, by_image = area * area_noise(rows), np.isfinite(rows["gross_area_mm2"].to_numpy())
     edge = np.where(by_image, rows["gross_area_mm2_edge_std"].to_numpy(), 0.0)
-    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), noise)
+    # Without an image the area is known as well as the axes, which share their scale.
+    axis = rows["semi_major_mm"].to_numpy()
+    of_axis = rows["semi_major_mm_std"].to_numpy() ** 2 - rows["semi_major_mm_noise_std"].to_numpy() ** 2
+    scale = 2 * area * np.sqrt(np.maximum(of_axis, 0)) / axis
+    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), np.hypot(noise, scale))
     repeats = area * repeatability.area_std
     # Of a finger without semi-axes no modulus is known.
     known = rows[:0] if np.isnan(rows[MODULUS].to_numpy()).any() else rows
@@ -495,7 +499,7 @@ _PARTS: Final = ("noise", "repeatability", "edge")
 _COLUMNS: Final = (
     *(*PLACEMENT, "session", "load_N", *QUANTITY_COLUMNS),
     *("gross_area_mm2_std", "gross_area_mm2_noise_std", "gross_area_mm2_edge_std"),
-    *("semi_major_mm_noise_std", "semi_minor_mm_noise_std", "youngs_modulus_kpa_std"),
+    *("semi_major_mm_std", "semi_major_mm_noise_std", "semi_minor_mm_noise_std", "youngs_modulus_kpa_std"),
     *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),
     f"{_ON_LAYER}_kpa",
 )
