@@ -23,7 +23,8 @@ from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640
 _MIN_SIDE_PX = 48
-_MIN_SUPPORT, _INCOMPLETE = 0.75, 0.12
+_MIN_SUPPORT, _CLEAR_SUPPORT, _INCOMPLETE = 0.75, 0.85, 0.12
+_REACH_OF_SHADOW = 1.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
@@ -34,7 +35,8 @@ _LEVELS, _DRAWS = 16, 25
 _MIN_RADIUS_PX, _MIN_AXIS_RATIO = 10.0, 0.6
 # Ellipses through two contours are one when no further apart than this share of their size.
 _SAME_CONTOUR = 0.025
-_PROFILE_STEP = 0.25  # between samples across an edge, px
+# Samples across an edge, px apart, and how many of them the search for the steepest may climb.
+_PROFILE_STEP, _CLIMB = 0.25, 8
 # An edge is as strong as all but this share of its circumference.
 _WEAKEST = 0.35
 
@@ -191,7 +193,7 @@ def measure_coin(image: ImageLike) -> Coin:
     values = as_float32(levels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
-    chosen = _coin_outline(as_float32(small))
+    chosen, shadowed = _coin_outline(as_float32(small))
     # Pixel centres of the small image lie at whole numbers of its own.
     x, y = ((place + 0.5) * step - 0.5 for place in (chosen.ellipse.x, chosen.ellipse.y))
     start = replace(chosen.ellipse.scaled(step), x=x, y=y)
@@ -205,15 +207,15 @@ def measure_coin(image: ImageLike) -> Coin:
             "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
             "light it evenly, or draw a line instead"
         )
-    return _coin(outline, shadow, band)
+    return _coin(outline, shadow, band, shadowed)
 
 
 def _smooth(image: Float32Array, std_px: float = 1.0) -> Float32Array:
     return as_float32(cv2.GaussianBlur(image, (0, 0), std_px))
 
 
-def _coin_outline(image: Float32Array) -> Outline:
-    """Return the outline of the one coin."""
+def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
+    """Return the outline of the one coin, and whether a shadow's lies against it."""
     found = _outlines(image)
     support = max((o.support for o in found), default=0.0)
     outlines = [o for o in found if o.support > support - _INCOMPLETE]
@@ -239,7 +241,10 @@ def _coin_outline(image: Float32Array) -> Outline:
     x, y = coin.ellipse.points(72)[0].T
     if x.min() < 1 or y.min() < 1 or x.max() > columns - 2 or y.max() > rows - 2:
         raise CalibrationError("the coin is cut by the frame: show the whole coin, or draw a line instead")
-    return coin
+    beyond = (o for o in found if o.support > _CLEAR_SUPPORT and o is not coin)
+    return coin, any(
+        _touch(coin, o) or 1 < o.ellipse.size / coin.ellipse.size < _REACH_OF_SHADOW for o in beyond
+    )
 
 
 def _outlines(image: Float32Array) -> list[Outline]:
@@ -260,7 +265,7 @@ def _touch(one: Outline, other: Outline) -> bool:
     return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
 
 
-def _coin(outline: Outline, shadow: float, band: float) -> Coin:
+def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     try:
         fit = fit_ellipse(outline.points[outline.kept])
     except FitError as error:
@@ -271,7 +276,7 @@ def _coin(outline: Outline, shadow: float, band: float) -> Coin:
     major_std, minor_std = (math.hypot(math.sqrt(fit.covariance[k, k]), moved) for k in (2, 3))
     short = semi_major - semi_minor
     doubts = {
-        "coin_shadow": shadow > _DEEP_SHADOW,
+        "coin_shadow": shadowed or shadow > _DEEP_SHADOW,
         "coin_tilted": short > max(_MIN_TILTED * semi_major, 3 * math.hypot(major_std, minor_std)),
     }
     return Coin(
@@ -391,6 +396,9 @@ def _edge_points(
     # Of several edges a steep one near the ellipse is the likely one.
     best = (slope * np.exp(-((out / reach) ** 2)))[:, 1:-1].argmax(axis=1) + 1
     every = np.arange(count)
+    for _ in range(_CLIMB):
+        uphill = slope[every[:, None], best[:, None] + np.array([-1, 0, 1])].argmax(axis=1) - 1
+        best = np.clip(best + uphill, 1, out.size - 2)
     before, here, after = (slope[every, best + k] for k in (-1, 0, 1))
     peak = np.clip(0.5 * (before - after) / np.minimum(before - 2 * here + after, -1e-12), -1, 1)
     rows, columns = image.shape
