@@ -300,7 +300,7 @@ def test_an_edge_further_out_makes_the_exponent_smaller():
         sizes = 4.0 * loads**0.3
         axes = np.transpose([1.2 * sizes + offset, sizes + offset])
         seen = [contact(k, axes=axes[k], load=load, **more) for k, load in enumerate(loads)]
-        return area_exponent(modelled(*seen).table)
+        return area_exponent(modelled(*seen).table)[:2]
 
     (plain, _), (moved, _) = exponent(0.0), exponent(0.1)
     found, std = exponent(0.0, **edge)
@@ -310,6 +310,16 @@ def test_an_edge_further_out_makes_the_exponent_smaller():
     # Contacts that lie on a line by chance are no better known than their areas.
     noisy = exponent(0.0, gross_area_mm2=50.0, gross_area_mm2_std=2.0, gross_area_mm2_noise_std=2.0)
     assert noisy == (plain, pytest.approx(0.04 / np.log(4) / 2**0.5))
+
+
+def test_the_interval_of_an_exponent_has_students_t_for_few_contacts():
+    rng, loads, held = np.random.default_rng(8), np.array([0.25, 0.5, 1.0, 2.0]), []
+    for _ in range(200):
+        sizes = 4.0 * loads ** (1 / 3) * np.exp(rng.normal(0, 0.0225, 4))
+        seen = [contact(k, axes=[1.2 * size, size], load=loads[k]) for k, size in enumerate(sizes)]
+        low, high = area_exponent(modelled(*seen).table).interval
+        held.append(low < 2 / 3 < high)
+    assert 0.9 < np.mean(held) < 0.99
 
 
 @pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])

@@ -280,7 +280,11 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.Se
 
 def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
     exponent = area_exponent(rows)
-    return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
+    return {
+        "area_exponent": exponent.value,
+        "area_exponent_std": exponent.std,
+        "area_exponent_ci95": exponent.interval,
+    }
 
 
 def _curve(result: StudyResult, curve: CurveResult) -> summary_file.CurveRecord:

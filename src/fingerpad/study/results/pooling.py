@@ -7,6 +7,7 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy import special
 
 from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray, as_float_array
@@ -16,6 +17,7 @@ from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey
 from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty.press_slope import PressSlope
+from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 # From which exponents and checks of areas follow.
 _OF_AREAS: Final = (
@@ -26,10 +28,11 @@ _OF_AREAS: Final = (
 
 
 class Exponent(NamedTuple):
-    """Slope of ln A against ln W, with its standard uncertainty, NaN if not known."""
+    """Slope of ln A against ln W, with its standard uncertainty and 95 % interval, NaN if not known."""
 
     value: float
     std: float
+    interval: tuple[float, float] = (math.nan, math.nan)
 
 
 def area_exponent(rows: pd.DataFrame) -> Exponent:
@@ -37,7 +40,7 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
 
     Of contacts two loads give a slope and three its uncertainty, from the scatter about it and the edge; of
     presses it is from their bends, the difference between them and the edge. It is no less than from the
-    stated uncertainty of the areas.
+    stated uncertainty of the areas. The interval has Student's t for the scatter.
     """
     sound = rows[rows["pooled"] & (rows["load_N"] > 0)]
     major, minor = sound["semi_major_mm"].to_numpy(), sound["semi_minor_mm"].to_numpy()
@@ -50,13 +53,17 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
             return Exponent(float(np.polyfit(x, y, 1)[0]), math.nan)
         (value, _), covariance = np.polyfit(x, y, 1, cov=True)
         weights = np.linalg.pinv(np.vander(x, 2))[0]
+        scatter, noise = math.sqrt(covariance[0, 0]), float(np.linalg.norm(weights * area_noise(sound)))
         # A few contacts may lie on a line by chance.
-        std = float(np.fmax(math.sqrt(covariance[0, 0]), np.linalg.norm(weights * area_noise(sound))))
+        std = float(np.fmax(scatter, noise))
+        half = float(np.fmax(special.stdtrit(x.size - 2, 0.975) * scatter, NORMAL_97_5 * noise))
     else:
         value, weights, std = presses.value, presses.weights, presses.std
+        half = NORMAL_97_5 * std
     # An edge further out adds more to the logarithm of a small area: by one line for each device.
     tilts = [float(weights @ edge) for edge in edges_of(sound)]
-    return Exponent(float(value), math.hypot(std, *tilts))
+    value, half = float(value), math.hypot(half, *(NORMAL_97_5 * tilt for tilt in tilts))
+    return Exponent(value, math.hypot(std, *tilts), (value - half, value + half))
 
 
 def items_of(rows: pd.DataFrame) -> Indices:

@@ -353,6 +353,7 @@ class PlacementRecord(Placed):
     highest_area_mm2_std: Number
     area_exponent: Number = Field(description="n of A ∝ Wⁿ over its contacts.")
     area_exponent_std: Number
+    area_exponent_ci95: Interval | None = None
     uncertainty_check: UncertaintyCheckRecord | None = Field(description="Of one contact.")
     radius_from_indentation_mm_model_std: Number
     radius_from_indentation_mm_total_std: Number
@@ -502,6 +503,7 @@ class SequenceRecord(Placed):
     pooled: int = Field(description="Number of those that are pooled.")
     area_exponent: Number = Field(description="n of A ∝ Wⁿ over its frames.")
     area_exponent_std: Number
+    area_exponent_ci95: Interval | None = None
     overlays: list[OverlayRecord] = Field(description="Some frames.")
     reason: str | None = Field(description="Why it could not be measured.")
 
