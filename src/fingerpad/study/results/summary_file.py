@@ -349,7 +349,9 @@ class PlacementRecord(Placed):
     loading_radius_mm: Number = Field(description="R_g from its loading curves, mm.")
     loading_radius_mm_std: Number
     highest_load_N: Number = Field(description="Highest load of its contacts, or frames, that count, N.")
-    highest_area_mm2: Number = Field(description="Contact area there, mm².")
+    highest_area_mm2: Number = Field(
+        description="Area of one contact there, mm², uncertain by its own image; `by_load` has means."
+    )
     highest_area_mm2_std: Number
     area_exponent: Number = Field(description="n of A ∝ Wⁿ over its contacts.")
     area_exponent_std: Number
