@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import tifffile
 
-from fingerpad.exceptions import ImageError
+from fingerpad.exceptions import ImageError, LoadingError
 from fingerpad.image import (
     ForceSignal,
     Frame,
     FrameRate,
     FrameResult,
+    FrameStamps,
     Scale,
     assign_times,
     estimate_settings,
@@ -240,6 +241,14 @@ def test_sequence_without_contact_refused(frames, words):
         list(measure_sequence(frames, SCALE))
 
 
+def test_a_mask_or_region_within_the_contact_is_named(press):
+    at_most = press.pixels(int(np.argmax(LOADS[2] == true_load(TIME))))
+    row, column = (size // 2 for size in at_most.shape)
+    inside = (row - 20, column - 20, row + 20, column + 20)
+    with pytest.raises(ImageError, match="mask and region of interest must hold a contact and some of what"):
+        list(measure_sequence([Frame(index=0, pixels=at_most)], SCALE, region_of_interest=inside))
+
+
 def test_texture_beside_the_mask_and_of_the_background_is_no_contact():
     time = np.arange(30) / 10
     press = render_sequence(np.interp(time, [0, 0.5, 1, 2, 2.5, 3], [0, 0, 2, 2, 0, 0]), seed=4)
@@ -338,6 +347,71 @@ def test_a_force_that_is_left_after_the_contact_is_noted(results, signal, load, 
     summary = sequence_summary(with_force(results, load), signal)
     assert any("after the last frame in contact" in note for note in summary.notes) == noted
     assert summary.flags == ()
+
+
+def test_a_force_that_is_left_after_a_contact_that_the_frames_begin_in_is_noted(results, signal):
+    seen = with_force(results, lambda time: true_load(time) + 0.1)[CONTACT + 10 :]
+    assert "after the last frame in contact the force is 0.1 N" in sequence_summary(seen, signal).notes[-1]
+
+
+@pytest.mark.parametrize(("late", "noted"), [(0.0, False), (1 / FPS, False), (0.15, True), (0.3, True)])
+def test_a_force_without_a_contact_is_noted(results, signal, late, noted):
+    summary = sequence_summary(with_force(results, lambda time: true_load(time + late)), signal)
+    assert any("the last but one frame before contact shows none" in note for note in summary.notes) == noted
+
+
+def test_a_hold_alone_is_in_step(results, signal):
+    held = [one for one in results if one.phase == "hold"]
+    assert len(held) > 8
+    assert sequence_summary(held, signal).flags == ()
+    assert sequence_summary([replace(one, load=1.5) for one in results if one.measures], signal).flags
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda time, load: (time[abs(time - 1) > 0.2], load[abs(time - 1) > 0.2]), "has no samples between"),
+        (lambda time, load: (time, np.minimum(load, 1.0)), "its largest value, 1 N, for"),
+        (lambda time, load: (time, load / 1000), "is the force in newtons"),
+        (lambda time, load: (time[::40], load[::40]), None),
+        (lambda time, load: (time, np.round(load / 0.05) * 0.05), None),  # coarse steps are equal in a hold
+        (lambda time, load: (time, true_load(time)), None),  # without noise as well
+    ],
+)
+def test_gaps_and_limits_of_a_force_are_noted(results, signal, change, words):
+    force = ForceSignal(*change(signal.time, signal.load))
+    doubts = ("has no samples between", "its largest value, 1 N, for", "is the force in newtons")
+    notes = " ".join(sequence_summary(results, force).notes)
+    assert [one for one in doubts if one in notes] == ([words] if words else [])
+
+
+def test_times_that_may_not_be_those_of_the_frames_are_noted(results):
+    few, no_first = FrameStamps(TIME[:-1]), FrameRate(FPS, anchor_frame=None)
+    (note,) = sequence_summary(results, clock=few).notes
+    assert "there are 48 times for 49 frames" in note
+    assert sequence_summary(results, clock=FrameStamps(TIME)).notes == ()
+    assert sequence_summary(results, clock=no_first).notes == ()
+    seen = [replace(one, index=k) for k, one in enumerate(results[CONTACT + 5 :])]
+    (note,) = sequence_summary([replace(seen[0], is_first_contact=True), *seen[1:]], clock=no_first).notes
+    assert "the first frame is in contact already" in note
+
+
+@pytest.mark.parametrize("kind", ["noise", "hum", "step", "pulses"])
+def test_a_trigger_rises_from_one_level_to_another(kind):
+    time = np.arange(0, 2, 0.001)
+    noise = np.random.default_rng(1).normal(0, 0.02, time.size)
+    high = {
+        "noise": np.full(time.size, 5.0),
+        "hum": np.sin(100 * np.pi * time),
+        "step": np.where(time > 0.5, 5.0, 0.0),
+        "pulses": np.where((time > 0.5) & (time % 0.02 < 0.005), 5.0, 0.0),
+    }[kind]
+    signal = ForceSignal(time, time, high + noise)
+    if kind in {"noise", "hum"}:
+        with pytest.raises(LoadingError, match="the trigger never rises"):
+            frame_clock(FPS, signal)
+    else:
+        assert frame_clock(FPS, signal).anchor_time == pytest.approx(0.5, abs=0.002)
 
 
 def test_the_force_before_the_frames_shows_its_zero(results, signal):

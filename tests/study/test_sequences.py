@@ -9,6 +9,7 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -253,6 +254,20 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(study_dir, keys, chang
     assert reason in lost["reason"]
     if "frames_per_second" in keys:
         assert "It could not be measured" in page_of(result, study_dir / "out")
+
+
+@pytest.mark.parametrize("stated", [None, RATE])
+def test_the_rate_at_which_a_video_plays_is_noted_where_it_is_taken(study_dir, press, stated):
+    high, wide = press.pixels(0).shape
+    code = cv2.VideoWriter_fourcc(*"MJPG")
+    video = cv2.VideoWriter(str(study_dir / "press.avi"), code, float(RATE), (wide, high), isColor=False)
+    for k in range(LOAD.size):
+        video.write(press.pixels(k))
+    video.release()
+    table = of_frames(frames_per_second=stated)
+    result = run(study_dir, table._replace(keys={**table.keys, "file": "press.avi"}))
+    notes = result.sequences[0].summary.notes
+    assert any("press.avi plays at 20 frames per second" in note for note in notes) == (stated is None)
 
 
 def test_what_looks_wrong_in_a_force_table_is_noted(study_dir):

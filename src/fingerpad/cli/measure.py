@@ -268,6 +268,7 @@ def _clock(
 ) -> "image.FrameClock | None":
     """Return the frames' clock, or None where no rate is known; --times has no use for what is `aligned`."""
     from fingerpad._columns import columns_named_by
+    from fingerpad.image.sequence.frames import played_rate
 
     idle = [f"--{name.replace('_', '-')}" for name, value in aligned.items() if value is not None]
     if times is not None:
@@ -280,6 +281,8 @@ def _clock(
     start, load, rate = (aligned[name] for name in ("start_s", "contact_load_n", "frames_per_second"))
     if rate is None:
         rate = frames.frames_per_second
+        if rate is not None and signal is not None:
+            show.note(played_rate(frames))
     if rate is not None:
         return image.frame_clock(rate, signal, start_time=start, contact_load=load, numbers=frames.numbers)
     if signal is not None:

@@ -28,6 +28,7 @@ _MIN_SAMPLES = 2
 _MIN_FRAMES: Final = 5  # fewer frames do not tell how well they are aligned with the force
 _LEAST_LOAD: Final = 0.02  # of the largest; at less the zero of the sensor matters more than the time
 _REVERSED = 2.0  # a signal that goes so many times further below zero than above has the wrong sign
+_LEVELS_APART: Final = 5.0  # standard deviations, of a trigger; halves of noise are 3 apart, of a sine wave 4
 # The zero of a force without contact.
 _MIN_BEFORE: Final = 4  # frames or samples, or more, show it
 _WELL_BEFORE: Final = 2 / 3  # of the time before contact, from its beginning
@@ -329,7 +330,12 @@ def frame_clock(
         if force.trigger is not None:
             low, high = float(force.trigger.min()), float(force.trigger.max())
             never = f"the trigger never rises: it stays between {low:g} and {high:g} V"
-            start_time = _first_rise(force.time, force.trigger, (low + high) / 2, never)
+            level = (low + high) / 2
+            upper, lower = force.trigger[force.trigger >= level], force.trigger[force.trigger < level]
+            # Noise rises, too.
+            if lower.size and upper.mean() - lower.mean() < _LEVELS_APART * max(upper.std(), lower.std()):
+                raise LoadingError(f"{never}, with no step between two levels")
+            start_time = _first_rise(force.time, force.trigger, level, never)
     return FrameRate(frames_per_second, anchor_time=start_time or 0.0, numbers=numbers)
 
 

@@ -221,6 +221,14 @@ def _decoded_ahead(frames: Generator[Frame, None, None]) -> Iterator[Frame]:
             yield frame
 
 
+def played_rate(frames: Frames) -> str:
+    """Return the note on a rate that nobody stated: the one at which a video plays."""
+    return (
+        f"{frames.path.name} plays at {frames.frames_per_second:g} frames per second, taken for the camera's "
+        "rate: state frames_per_second if it took them at another"
+    )
+
+
 def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Frames:
     """Open a folder of pictures, a TIFF file of many pages, or a video.
 

@@ -147,7 +147,11 @@ def estimate_settings(
         except ImageError as error:
             reason = str(error)
     if not seen:
-        raise ImageError(f"no contact found in any frame: {reason}")
+        part = any(options.get(name) is not None for name in ("mask", "region_of_interest"))
+        hint = (
+            "; mask and region of interest must hold a contact and some of what surrounds it" if part else ""
+        )
+        raise ImageError(f"no contact found in any frame: {reason}{hint}")
     polarity, _ = Counter(contact.dark_on_light for _, contact in seen).most_common(1)[0]
     alike = [(index, contact) for index, contact in seen if contact.dark_on_light == polarity]
     alike.sort(key=lambda entry: entry[1].contrast)

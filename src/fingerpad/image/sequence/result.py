@@ -122,6 +122,7 @@ _MIN_LOAD_SHARE = 0.1  # of the largest force; a sequence that stays below it is
 # After the contact the force is doubted above this share of the largest, and above the load of first contact,
 _LEFT_LOAD_SHARE = 0.05
 _FRAMES_LEFT = 3  # in so many frames in a row: one may be that in which the pad leaves
+_SURELY_SEEN: Final = 0.05  # of the largest area
 _SPANS_APART = 100.0  # times of force and frames that differ by such a factor may be in different units
 # A jump exceeds what the changes around it lead to expect.
 _LEAST_JUMP: Final = 0.07  # by this share of the area,
@@ -131,6 +132,14 @@ _LASTING: Final = 0.7  # of it; the least of three areas after it exceeds the la
 _MIN_TESTED: Final = 4
 _HERTZ: Final = 2 / 3
 _COMPARED: Final = 0.2  # of the largest force; with less, a wrong zero matters
+# A pad that is held creeps, and says nothing of how area and force go together.
+_HELD_LOAD, _HELD_AREA = 0.1, 0.2  # of the largest; both change by less
+_LEAST_PRESSURE_KPA: Final = 0.1  # mean, under the largest load; skin of 5 kPa has some ten times as much
+_GAP: Final = 10.0  # times the usual interval of samples
+# A force that saturates repeats its largest value though it is noisy elsewhere.
+_REPEATS: Final = 10  # samples in a row
+_MOST_EQUAL: Final = 0.5  # of the others, equal to the one before: more shows coarse steps,
+_LEAST_TURNS: Final = 0.1  # and turning from rise to fall or back: fewer show no noise
 _LEAST_OFF: Final = 0.15  # of the area; by more it is outside those beside it where frames are exchanged
 
 
@@ -138,7 +147,10 @@ def _area_follows_load(loads: FloatArray, areas: FloatArray) -> bool:
     """Return whether the area follows the load, by the larger of two correlations.
 
     In a long hold the ranks of the load are those of its noise; one outlier is enough for the linear one.
+    With nothing but a hold, nothing tells that it does not.
     """
+    if np.ptp(loads) < _HELD_LOAD * loads.max() and np.ptp(areas) < _HELD_AREA * areas.max():
+        return True
     if not (np.ptp(loads) > 0 and np.ptp(areas) > 0):
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
@@ -246,14 +258,16 @@ def _unlike_others(contacts: FloatArray) -> Iterator[str]:
         )
 
 
-def _off_zero(contacts: FloatArray, after: FloatArray, force: ForceSignal) -> Iterator[str]:
-    """Yield what was subtracted from the force of frames in contact, and what is left of it after them.
+def _off_zero(
+    contacts: FloatArray, before: FloatArray, after: FloatArray, force: ForceSignal
+) -> Iterator[str]:
+    """Yield what was subtracted from the force of frames in contact, and what it is beside them.
 
-    `after` are the loads of the frames after the last in contact, in their order.
+    `before` and `after` are the loads of the frames before the first in contact and after the last.
     """
     if not contacts.size:
         return
-    _, times, loads, *_ = contacts
+    _, times, loads, areas, _ = contacts
     zero = float(force.load_at(times[0]) - loads[0])
     if level := zero or max(0.0, level_before_contact(force, force.time[force.time < times[0]])):
         done = "was subtracted from" if zero else "may be a touch too light to be seen, and is kept in"
@@ -261,15 +275,54 @@ def _off_zero(contacts: FloatArray, after: FloatArray, force: ForceSignal) -> It
             f"the force was {level:.2g} N before first contact, which {done} all loads: tare the "
             "sensor before a press"
         )
+    least = _LEFT_LOAD_SHARE * float(loads.max())
+    # The area grows no faster than in proportion to the load: so large a contact would have been seen.
+    # A clock that starts at first contact is late by up to one frame.
+    unseen = float(before[-2]) if before.size > 1 else 0.0
+    if unseen > least and areas[0] * unseen / max(unseen, loads[0]) > _SURELY_SEEN * areas.max():
+        yield (
+            f"under {unseen:.2g} N the last but one frame before contact shows none, the first in contact "
+            f"{areas[0]:.3g} mm² under {loads[0]:.2g} N: are frames late, or is contact_load_N or the "
+            "zero of the force wrong?"
+        )
     if after.size < _FRAMES_LEFT:
         return
-    left = max(_LEFT_LOAD_SHARE * float(loads.max()), abs(float(loads[0])))
+    # What begins in contact does not show the load of first contact.
+    left = max(least, abs(float(loads[0])) if before.size else 0.0)
     if np.lib.stride_tricks.sliding_window_view(np.abs(after), _FRAMES_LEFT).min(axis=-1).max() > left:
         yield (
             f"after the last frame in contact the force is {np.median(after[:_FRAMES_LEFT]):.2g} N, and "
             f"{np.median(after[-_FRAMES_LEFT:]):.2g} N at the end, where it should be zero: does it drift or "
             "come late, is the frame rate wrong, or are frames lost? Loads may be wrong by as much"
         )
+
+
+def _signal_doubts(contacts: FloatArray, force: ForceSignal) -> Iterator[str]:
+    """Yield where a force has gaps, saturates, or is too small for the areas of frames in contact."""
+    times, largest, top = contacts[1], contacts[3].max(initial=0.0), float(force.load.max())
+    steps, moves = np.diff(force.time), np.diff(force.load)
+    for gap in np.flatnonzero(steps > _GAP * np.median(steps)):
+        low, high = force.time[gap], force.time[gap + 1]
+        if inside := np.count_nonzero((times > low) & (times < high)):
+            yield (
+                f"the force has no samples between {low:.4g} and {high:.4g} s: the loads of {inside} frames "
+                "in contact there are interpolated"
+            )
+    at_top = np.flatnonzero(np.diff(np.pad(force.load == top, 1).astype(np.int8)))
+    longest = int(np.max(at_top[1::2] - at_top[::2]))
+    others = moves[(force.load[1:] < top) & (force.load[:-1] < top)]
+    if (
+        longest >= _REPEATS
+        and others.size
+        and np.mean(others == 0) < _MOST_EQUAL
+        and np.mean(others[1:] * others[:-1] < 0) > _LEAST_TURNS
+    ):
+        yield (
+            f"the force stays at its largest value, {top:.4g} N, for {longest} samples without any noise: "
+            "does the sensor or its amplifier saturate? Loads there are too small"
+        )
+    if largest and 1000 * top < _LEAST_PRESSURE_KPA * largest:
+        yield f"loads up to {top:.2g} N on {largest:.0f} mm² are tiny: is the force in newtons (force_N)?"
 
 
 def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mapping[str, int]) -> Iterator[str]:
@@ -285,6 +338,25 @@ def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mappin
         yield (
             f"the force lasts {lasting:.4g} s and the frames {shown:.4g} s: is one of their times in another "
             "unit, as milliseconds (time_ms)?"
+        )
+
+
+def _clock_doubts(
+    clock: FrameClock, count: int, first_contact: int | None, frames: Frames | None
+) -> Iterator[str]:
+    """Yield what may be wrong with the times of frames, by their number and the first in contact."""
+    if isinstance(clock, FrameRate):
+        if frames is not None and (skipped := frames.skipped):
+            yield skipped
+        if clock.anchor_frame is None and first_contact == 0:
+            yield (
+                "the first frame is in contact already, so that the frame in which the force passes "
+                "contact_load_N is not known: give start_s"
+            )
+    elif clock.time.size != count:
+        yield (
+            f"there are {clock.time.size} times for {count} frames, given to them in order: unless only the "
+            "last are missing or too many, loads are those of other times"
         )
 
 
@@ -341,15 +413,15 @@ def sequence_summary(
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
             start, end = min(start, result.time), max(end, result.time)
-    notes = []
-    if frames is not None and isinstance(clock, FrameRate) and (skipped := frames.skipped):
-        notes.append(skipped)
+    notes = [] if clock is None else [*_clock_doubts(clock, counts["all"], first_contact, frames)]
     in_order = np.reshape(loaded, (-1, 5)).T
     touching = np.flatnonzero(in_order[3] > 0)
     seen = in_order[:, touching]
     if force is not None:
         notes += _spans_apart(force, (start, end), counts)
-        notes += _off_zero(seen, in_order[2, touching.max(initial=-1) + 1 :], force)
+        first, last = (touching[0], touching[-1]) if touching.size else (0, -1)
+        notes += _off_zero(seen, in_order[2, :first], in_order[2, last + 1 :], force)
+        notes += _signal_doubts(seen, force)
         notes += unit_doubts(force.load, force.displacement)
     doubt = _out_of_step(seen, force)
     notes += _unlike_others(seen) if doubt is None else [doubt]

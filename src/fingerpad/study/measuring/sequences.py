@@ -20,6 +20,7 @@ from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
+from fingerpad.image.sequence.frames import played_rate
 from fingerpad.loading.contact_point import first_contact
 from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -281,6 +282,8 @@ class OpenedSequence:
                 yield result
 
         summary = image.sequence_summary(followed(), self.force, frames=self.frames, clock=self.clock)
+        if isinstance(self.clock, image.FrameRate) and self.sequence.frames_per_second is None:
+            summary = replace(summary, notes=(played_rate(self.frames), *summary.notes))
         if self.force.displacement is not None:
             try:
                 self._contact()
