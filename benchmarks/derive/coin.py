@@ -49,7 +49,7 @@ PROBLEMS = (
     Problem(
         model=COIN_EDGE,
         of="error of the radius, as a share",
-        stds=("rounding", "shadow", "band"),
+        stds=("lens_px", "rounding", "shadow", "band"),
         sample=sample,
         compare=compare,
     ),

@@ -16,7 +16,7 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image._masks import sample
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
-from fingerpad.image.ellipse_fit import direct_ellipse, fit_ellipse
+from fingerpad.image.ellipse_fit import correlation_length, direct_ellipse, fit_ellipse
 from fingerpad.image.levels import picture_levels
 from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
@@ -24,7 +24,9 @@ from fingerpad.image.scale import Scale
 _WORKING_SIDE = 640
 _MIN_SIDE_PX = 48
 _MIN_SUPPORT, _CLEAR_SUPPORT, _INCOMPLETE = 0.75, 0.85, 0.12
+_MIN_STRENGTH = 0.3
 _REACH_OF_SHADOW = 1.2
+_MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
@@ -45,6 +47,7 @@ _WEAKEST = 0.35
 class CoinEdge:
     """Standard deviations of what shifts the edge of a coin as a whole, chosen on coins of known size."""
 
+    lens_px: float = 0.08  # px; lens and lamp
     rounding: float = 0.0045  # of the radius; the rounded edge, which mirrors the background
     shadow: float = 0.045  # of the radius; a shadow beside the edge as strong as the coin's contrast
     band: float = 0.006  # of the radius; a band beside the edge as strong as that
@@ -82,7 +85,8 @@ class Coin(Displayed):
         (row, column), px; pixel centres are whole numbers.
     semi_major, semi_major_std : float
         Radius of the disc, px: the semi-axis that a tilt does not shorten. The standard uncertainty is from
-        the scatter of the edge about the ellipse, and from shifts of all of it: relief on the rim, a shadow.
+        the scatter of the edge about the ellipse, correlated along the edge, and from systematic shifts of
+        the edge: lens blur, relief on the rim, a shadow.
     semi_minor, semi_minor_std : float
         The semi-axis that a tilt shortens, px.
     orientation : float
@@ -152,7 +156,7 @@ def measure_coin(image: ImageLike) -> Coin:
     """Find the one coin in a picture, to a fraction of a pixel.
 
     Ellipses are fitted through contours at many grey levels, then through the steepest places along their
-    normals. Of those with an edge nearly all round the outermost is the coin's, so that a rim, a ring of
+    normals. Of those with a sharp edge nearly all round the outermost is the coin's, so that a rim, a ring of
     letters, the hole of a washer or one side of a shadow is not taken for it. An ellipse of least orthogonal
     distance is then fitted to the edge in the full image, outliers left out.
 
@@ -217,8 +221,7 @@ def _smooth(image: Float32Array, std_px: float = 1.0) -> Float32Array:
 def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     """Return the outline of the one coin, and whether a shadow's lies against it."""
     found = _outlines(image)
-    support = max((o.support for o in found), default=0.0)
-    outlines = [o for o in found if o.support > support - _INCOMPLETE]
+    outlines = _select_sharp(found, image) if found else []
     if not outlines:
         raise CalibrationError(
             "no coin found: show one whole coin, flat, sharp, on a plain background, or draw a line instead"
@@ -250,13 +253,36 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
 def _outlines(image: Float32Array) -> list[Outline]:
     """Return the different outlines with an edge nearly all round, largest first."""
     smooth = _smooth(image)
-    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size)) for e in _contour_ellipses(image))
-    found = [o for o in fits if o and o.support > _MIN_SUPPORT]
+    found = _fit_edges(smooth, _contour_ellipses(image))
+    if found:
+        # No grey level may separate a ring from an uneven background where one separates its hole.
+        clearest = max(found, key=lambda o: o.support * o.strength).ellipse
+        found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
     for outline in sorted(found, key=lambda o: -o.support * o.strength):
         if all(_gaps(outline.ellipse, o.ellipse).max() > _SAME for o in different):
             different.append(outline)
     return sorted(different, key=lambda o: -o.ellipse.size)
+
+
+def _fit_edges(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
+    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size)) for e in ellipses)
+    return [o for o in fits if o and o.support > _MIN_SUPPORT]
+
+
+def _select_sharp(outlines: list[Outline], image: Float32Array) -> list[Outline]:
+    """Return the outlines whose edge is nearly complete, sharp, and not faint beside the others."""
+    # A wider blur takes much of a sharp edge's slope, and little of a penumbra's.
+    coarse = _smooth(image, 3.0)
+    blurred = [np.median(_edge_points(coarse, o.ellipse, 1.0)[1]) for o in outlines]
+    sharpness = [np.median(o.slope[o.kept]) / slope for o, slope in zip(outlines, blurred, strict=True)]
+    support, strength = (max(getattr(o, name) for o in outlines) for name in ("support", "strength"))
+    least = _MIN_SHARPNESS * min(max(sharpness), _STEP_SHARPNESS)
+    return [
+        o
+        for o, sharp in zip(outlines, sharpness, strict=True)
+        if o.support > support - _INCOMPLETE and o.strength > _MIN_STRENGTH * strength and sharp > least
+    ]
 
 
 def _touch(one: Outline, other: Outline) -> bool:
@@ -270,10 +296,12 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         fit = fit_ellipse(outline.points[outline.kept])
     except FitError as error:
         raise CalibrationError(f"no coin found: {error}") from error
+    places = np.flatnonzero(outline.kept)
+    correlated = correlation_length(outline.ellipse.offsets(outline.points[places]), places)
     relative = math.hypot(COIN_EDGE.rounding, COIN_EDGE.shadow * shadow, COIN_EDGE.band * min(band, 1.0))
     x, y, semi_major, semi_minor, angle = fit.ellipse.parameters
-    moved = relative * semi_major
-    major_std, minor_std = (math.hypot(math.sqrt(fit.covariance[k, k]), moved) for k in (2, 3))
+    moved = math.hypot(COIN_EDGE.lens_px, relative * semi_major)
+    major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     short = semi_major - semi_minor
     doubts = {
         "coin_shadow": shadowed or shadow > _DEEP_SHADOW,
