@@ -86,6 +86,19 @@ def test_video_of_pixels_that_are_not_square_is_refused(tmp_path):
         open_frames(path)
 
 
+def test_pictures_named_unlike_the_others_are_noted(tmp_path):
+    folder = write_folder(tmp_path / "frames")
+    assert open_frames(folder).odd_names is None
+    Image.fromarray(level(0)).save(folder / "background.png")
+    assert open_frames(folder).odd_names.startswith(
+        "background.png among the frames, named unlike the others"
+    )
+    for index in range(5):
+        Image.fromarray(level(index)).save(folder / f"second_press{index}.png")
+    assert open_frames(folder).odd_names is None  # with so many nothing is usual
+    assert open_frames(write_stack(tmp_path / "stack.tif")).odd_names is None
+
+
 def test_truncated_video(tmp_path):
     whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
     data = whole.read_bytes()

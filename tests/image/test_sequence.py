@@ -360,6 +360,31 @@ def test_a_force_without_a_contact_is_noted(results, signal, late, noted):
     assert any("the last but one frame before contact shows none" in note for note in summary.notes) == noted
 
 
+def test_a_print_left_on_the_plate_is_noted_and_flagged(results, signal):
+    most = max(one.measures["gross_area_mm2"] for one in results if one.measures)
+
+    def with_print(share, growth=0.0):
+        seen = zip(range(len(results)), results, strict=True)
+        least = {k: share * most * (1 + growth * k) for k in range(len(results))}
+        areas = {k: max(least[k], (one.measures or {}).get("gross_area_mm2", 0)) for k, one in seen}
+        return [replace(one, measures={"gross_area_mm2": areas[k]}) for k, one in enumerate(results)]
+
+    left = sequence_summary(with_print(0.5), signal)
+    assert "mm² under no force, all alike: was a print left on the plate" in left.notes[-1]
+    assert left.flags == ("out_of_step",)
+    for other in (with_print(0.1), with_print(0.95), with_print(0.3, growth=0.02)):
+        assert "all alike" not in " ".join(sequence_summary(other, signal).notes)
+
+
+def test_a_clock_by_first_contact_is_noted_where_the_force_grows_fast(results):
+    clock = FrameRate(FPS, anchor_frame=None)
+    assert sequence_summary(results, clock=clock).notes == ()
+    (note,) = sequence_summary(results[::3], clock=clock).notes
+    assert (
+        "first contact, which starts the clock, is known to one frame, and the force grows by 0.28 N" in note
+    )
+
+
 def test_a_hold_alone_is_in_step(results, signal):
     held = [one for one in results if one.phase == "hold"]
     assert len(held) > 8

@@ -6,6 +6,7 @@ import hashlib
 import math
 import re
 import warnings
+from collections import Counter
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
@@ -19,7 +20,7 @@ import numpy as np
 import tifffile
 
 from fingerpad._display import Displayed
-from fingerpad._words import counted
+from fingerpad._words import counted, joined
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_memory, luma
 from fingerpad.image.read import (
@@ -38,6 +39,7 @@ PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", "
 VIDEO_SUFFIXES: Final = frozenset({".avi", ".mp4", ".mov", ".mkv"})
 TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
 _ENDS_IN_NUMBER: Final = re.compile(r"(.*?)([0-9]{1,15})")
+_MOST_ALIKE: Final = 0.9  # of a folder's names or more; the others are odd
 _LEAST_NUMBERED: Final = 6  # fewer names do not tell the usual step of their numbers
 
 
@@ -197,6 +199,23 @@ class Frames(Displayed):
         return (
             f"file names skip {counted(int(missing.sum()), 'frame')} {where}between {files[at].name} and "
             f"{files[at + 1].name}: times follow the numbers"
+        )
+
+    @property
+    def odd_names(self) -> str | None:
+        """What to say of a folder's pictures that are not named as nearly all others; None without any."""
+        names = [path.name for path in self._files]
+        ends = [_ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files]
+        starts = [None if found is None else found.group(1) for found in ends]
+        if not starts:
+            return None
+        usual, count = Counter(starts).most_common(1)[0]
+        if usual is None or not _MOST_ALIKE * len(starts) <= count < len(starts):
+            return None
+        odd = [name for name, start in zip(names, starts, strict=True) if start != usual]
+        return (
+            f"{joined(odd, 3)} among the frames, named unlike the others: what is no frame of the sequence "
+            "belongs in another folder, since it delays the frames that follow"
         )
 
     @property

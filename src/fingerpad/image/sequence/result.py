@@ -134,6 +134,10 @@ _HERTZ: Final = 2 / 3
 _COMPARED: Final = 0.2  # of the largest force; with less, a wrong zero matters
 # A pad that is held creeps, and says nothing of how area and force go together.
 _HELD_LOAD, _HELD_AREA = 0.1, 0.2  # of the largest; both change by less
+# Areas under no force, large and alike, are of a print, or of a finger under which the force was zeroed.
+_NO_LOAD, _ALIKE = 0.01, 0.1  # of the largest load, and of their median
+_LEFT_AREA = (0.25, 0.9)  # of the largest area; one that is held has all of it
+_COARSE: Final = 0.1  # of the largest load; with more from frame to frame first contact is a poor clock
 _LEAST_PRESSURE_KPA: Final = 0.1  # mean, under the largest load; skin of 5 kPa has some ten times as much
 _GAP: Final = 10.0  # times the usual interval of samples
 # A force that saturates repeats its largest value though it is noisy elsewhere.
@@ -199,11 +203,19 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     frames, times, loads, areas, loading = contacts
     if areas.size < _MIN_FRAMES_TO_COMPARE:
         return None
+    idle = areas[loads < _NO_LOAD * loads.max()]
+    usual = float(np.median(idle)) if idle.size >= _FRAMES_LEFT else 0.0
+    least, most = (share * areas.max() for share in _LEFT_AREA)
+    if least < usual < most and np.ptp(idle) < _ALIKE * usual:
+        return (
+            f"{idle.size} frames show {usual:.3g} mm² under no force, all alike: was a print left on the "
+            "plate, which counts in all areas, or the force zeroed under the finger?"
+        )
     reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
     if loads.max() < reach or not _area_follows_load(loads, areas):
         return (
-            "area and force do not rise and fall together: check frame rate, trigger and force file, and "
-            "that no print stays on the plate"
+            "area and force do not rise and fall together: check frame rate, trigger, force file and its "
+            "sign, and that no print stays on the plate"
         )
     jump = find_jump(times, loads, areas, loading > 0)
     if jump is None:
@@ -342,12 +354,17 @@ def _spans_apart(force: ForceSignal, frames: tuple[float, float], counts: Mappin
 
 
 def _clock_doubts(
-    clock: FrameClock, count: int, first_contact: int | None, frames: Frames | None
+    clock: FrameClock, count: int, first_contact: int | None, contacts: FloatArray
 ) -> Iterator[str]:
     """Yield what may be wrong with the times of frames, by their number and the first in contact."""
     if isinstance(clock, FrameRate):
-        if frames is not None and (skipped := frames.skipped):
-            yield skipped
+        _, _, loads, _, loading = contacts
+        growth = np.diff(loads[loading > 0])
+        if clock.anchor_frame is None and growth.size and np.median(growth) > _COARSE * loads.max():
+            yield (
+                f"first contact, which starts the clock, is known to one frame, and the force grows by "
+                f"{np.median(growth):.2g} N in it: give a trigger, start_s or times"
+            )
         if clock.anchor_frame is None and first_contact == 0:
             yield (
                 "the first frame is in contact already, so that the frame in which the force passes "
@@ -413,10 +430,15 @@ def sequence_summary(
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
             start, end = min(start, result.time), max(end, result.time)
-    notes = [] if clock is None else [*_clock_doubts(clock, counts["all"], first_contact, frames)]
     in_order = np.reshape(loaded, (-1, 5)).T
     touching = np.flatnonzero(in_order[3] > 0)
     seen = in_order[:, touching]
+    notes = []
+    if frames is not None:
+        skipped = frames.skipped if isinstance(clock, FrameRate) else None
+        notes += [note for note in (frames.odd_names, skipped) if note]
+    if clock is not None:
+        notes += _clock_doubts(clock, counts["all"], first_contact, seen)
     if force is not None:
         notes += _spans_apart(force, (start, end), counts)
         first, last = (touching[0], touching[-1]) if touching.size else (0, -1)
