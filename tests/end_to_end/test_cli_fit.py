@@ -111,7 +111,7 @@ HEAD = "force_N,displacement_mm\n"
         (f"{HEAD}0,0\n1,1\n", "--area-delay-s 0.1", "add its column of time"),
         (None, "--column force=Fz", "QUANTITY=NAME:UNIT"),
         (None, "--column force=force_N:mN", "'force_N' says N, and .* given as mN: .*force=force_N:N$"),
-        (None, "--load-range-n 1", "two loads"),
+        (None, "--load-range-n 2 1", "two rising loads"),
         (None, "--cycle 7", "cycle"),
         (None, "--area-delay-s-std 1", "goes with --area-delay-s"),
         (None, "--wedge-deg 30", "go with --semi-axes-mm"),

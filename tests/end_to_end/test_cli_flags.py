@@ -24,7 +24,7 @@ from fingerpad.simulate import render_coin, render_contact_image, render_finger,
 ABSURD = ("nan", "inf", "-1", "0", "1e300", "1e-300")
 NO_NUMBER = ("", "½")  # which Click refuses where it reads the number
 # Flags of numbers that are given as text.
-OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--scale-circle", "--grid-points", "--load-range-n"}
+OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--scale-circle", "--grid-points"}
 # Possible numbers that what is measured contradicts, in words of its own.
 IN_PLAIN_WORDS = {
     "--load-range-n", "--seed-px", "--contact-load-n", "--port", "--cycle", "--threshold",

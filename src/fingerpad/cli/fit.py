@@ -82,7 +82,7 @@ def fit(
         str, Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law.")
     ] = "joint",
     load_range_n: Annotated[
-        str | None, Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
+        tuple[float, float] | None, Option(help="Loads, N, between which the modulus grows.")
     ] = None,
     stage_compliance: "fp.Estimate | None",
     area_delay: "fp.Estimate | None",
@@ -147,7 +147,7 @@ def fit(
     of_half_space = {**given, "poisson_ratio": poisson_ratio, "loading_radius": loading_radius}
     asked: dict[str, Any] = {
         "contact_point": contact_point,
-        "fit_load_range": None if load_range_n is None else _loads(load_range_n),
+        "fit_load_range": load_range_n,
         "thickness": thickness,
         "load_relative_std": load_relative_std,
         "poisson_ratio_std": poisson_ratio_std,
@@ -194,11 +194,3 @@ def fit(
 
 def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
     show.result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --radius-mm")))
-
-
-def _loads(text: str) -> tuple[float, float]:
-    try:
-        low, high = map(float, text.split(","))
-    except ValueError:
-        raise LoadingError(f"--load-range-n takes two loads separated by a comma, found {text!r}") from None
-    return low, high
