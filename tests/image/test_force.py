@@ -120,6 +120,14 @@ def test_frames_anchored_by_trigger_and_contact():
     assert frame_clock(100, signal, contact_load=0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
 
 
+@pytest.mark.parametrize("zero", [0.0, -0.1, -0.3])
+def test_the_load_of_first_contact_counts_from_a_zero_below_zero(zero):
+    time = np.arange(0, 1, 0.001)
+    noise = np.random.default_rng(2).normal(0, 0.003, time.size)
+    signal = ForceSignal(time, np.maximum(0, time - 0.4) + zero + noise)
+    assert frame_clock(100, signal, contact_load=0.05).anchor_time == pytest.approx(0.45, abs=0.008)
+
+
 def test_spike_is_no_contact():
     load = np.zeros(50)
     load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the minimum
@@ -136,6 +144,7 @@ def test_spike_is_no_contact():
         (lambda s: frame_clock(1, ForceSignal(s.time, s.load, np.full(4, 3.0))), "never rises: it stays"),
         (lambda s: frame_clock(1, ForceSignal(s.time, s.load, [5, 5, 0, 0])), "never rises"),
         (lambda s: frame_clock(1, s, contact_load=9.0), "never rises through 9 N"),
+        (lambda s: frame_clock(1, s, contact_load=0.0), "contact_load must be positive and finite, found 0"),
         (lambda s: FrameRate(0), "frames_per_second must be positive"),
         (lambda s: FrameRate(math.nan), "frames_per_second must be positive"),
         (lambda s: FrameRate(10, anchor_time=math.inf), "anchor_time must be finite"),

@@ -249,6 +249,18 @@ def test_a_mask_or_region_within_the_contact_is_named(press):
         list(measure_sequence([Frame(index=0, pixels=at_most)], SCALE, region_of_interest=inside))
 
 
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"clock": 20.0}, "clock must be a FrameRate"),
+        ({"force": "force.csv"}, "force must be a ForceSignal, as read_force_signal reads it, found str"),
+    ],
+)
+def test_a_number_for_the_clock_and_a_path_for_the_force_are_refused_in_words(frames, signal, wrong, words):
+    with pytest.raises(LoadingError, match=words):
+        measure_sequence(frames, SCALE, **{"clock": FrameRate(FPS), "force": signal, **wrong})
+
+
 def test_texture_beside_the_mask_and_of_the_background_is_no_contact():
     time = np.arange(30) / 10
     press = render_sequence(np.interp(time, [0, 0.5, 1, 2, 2.5, 3], [0, 0, 2, 2, 0, 0]), seed=4)

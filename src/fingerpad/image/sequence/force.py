@@ -23,6 +23,7 @@ from fingerpad._arrays import (
 from fingerpad._columns import read_columns, unread_columns
 from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
+from fingerpad.image.sequence.phases import phase_intervals
 
 _MIN_SAMPLES = 2
 _MIN_FRAMES: Final = 5  # fewer frames do not tell how well they are aligned with the force
@@ -288,7 +289,8 @@ def frame_clock(
     start_time : float, optional
         Where the first frame lies in its place, s.
     contact_load : float, optional
-        N; the frame of first contact lies where the force first rises through it for at least three samples.
+        N; the frame of first contact lies where the force first rises through it for at least three samples,
+        from its own zero where that lies below zero.
     numbers : tuple of int, optional
         Place of each frame on the camera's count where some are missing, as `Frames.numbers`.
 
@@ -300,8 +302,8 @@ def frame_clock(
     Raises
     ------
     LoadingError
-        If both `start_time` and `contact_load` are given, `contact_load` without a force, or the trigger or
-        the force never rises.
+        If both `start_time` and `contact_load` are given, `contact_load` without a force or not positive, or
+        the trigger or the force never rises.
 
     Examples
     --------
@@ -317,10 +319,13 @@ def frame_clock(
         # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
         # so are all times.
         low, high = float(force.load.min()), float(force.load.max())
+        # A level below zero is the sensor's own and comes off all loads; one above it may be a light touch.
+        first = phase_intervals(force.time, force.load).start[:1]
+        zero = min(0.0, level_before_contact(force, force.time[force.time < first])) if first.size else 0.0
         contact = _first_rise(
             force.time,
-            force.load,
-            contact_load,
+            force.load - zero,
+            positive_number(contact_load, "contact_load", LoadingError),
             f"the force never rises through {contact_load:g} N: it starts at {force.load[0]:g} N and lies "
             f"between {low:g} and {high:g} N; tare it or choose another threshold",
         )

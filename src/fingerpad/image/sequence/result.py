@@ -209,7 +209,7 @@ def _out_of_step(contacts: FloatArray, force: ForceSignal | None) -> str | None:
     if least < usual < most and np.ptp(idle) < _ALIKE * usual:
         return (
             f"{idle.size} frames show {usual:.3g} mm² under no force, all alike: was a print left on the "
-            "plate, which counts in all areas, or the force zeroed under the finger?"
+            "plate or in the background, which counts in all areas, or the force zeroed under the finger?"
         )
     reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
     if loads.max() < reach or not _area_follows_load(loads, areas):
