@@ -128,6 +128,15 @@ def test_the_load_of_first_contact_counts_from_a_zero_below_zero(zero):
     assert frame_clock(100, signal, contact_load=0.05).anchor_time == pytest.approx(0.45, abs=0.008)
 
 
+@pytest.mark.parametrize("load", [0.001, 0.005, 0.02])
+def test_noise_before_contact_does_not_start_the_clock(load):
+    time = np.arange(0, 2, 0.001)
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(0, 0.005, time.size)
+        signal = ForceSignal(time, 1.5 * np.clip(time - 1, 0, 0.5) + noise)
+        assert frame_clock(100, signal, contact_load=load).anchor_time == pytest.approx(1.0, abs=0.03)
+
+
 def test_spike_is_no_contact():
     load = np.zeros(50)
     load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the minimum

@@ -29,6 +29,7 @@ _MIN_SAMPLES = 2
 _MIN_FRAMES: Final = 5  # fewer frames do not tell how well they are aligned with the force
 _LEAST_LOAD: Final = 0.02  # of the largest; at less the zero of the sensor matters more than the time
 _REVERSED = 2.0  # a signal that goes so many times further below zero than above has the wrong sign
+_STAYS_ABOVE: Final = 0.8  # of the samples from first contact until the force is clear of its noise
 _LEVELS_APART: Final = 5.0  # standard deviations, of a trigger; halves of noise are 3 apart, of a sine wave 4
 # The zero of a force without contact.
 _MIN_BEFORE: Final = 4  # frames or samples, or more, show it
@@ -290,7 +291,7 @@ def frame_clock(
         Where the first frame lies in its place, s.
     contact_load : float, optional
         N; the frame of first contact lies where the force first rises through it for at least three samples,
-        from its own zero where that lies below zero.
+        and for most of those until it is clearly in contact; from its own zero where that lies below zero.
     numbers : tuple of int, optional
         Place of each frame on the camera's count where some are missing, as `Frames.numbers`.
 
@@ -328,6 +329,7 @@ def frame_clock(
             positive_number(contact_load, "contact_load", LoadingError),
             f"the force never rises through {contact_load:g} N: it starts at {force.load[0]:g} N and lies "
             f"between {low:g} and {high:g} N; tare it or choose another threshold",
+            settled=int(np.searchsorted(force.time, first[0])) if first.size else 0,
         )
         return FrameRate(frames_per_second, anchor_time=contact, anchor_frame=None, numbers=numbers)
     if force is not None and start_time is None:
@@ -384,13 +386,18 @@ def _require_increasing(time: FloatArray, name: str) -> None:
     )
 
 
-def _first_rise(time: FloatArray, values: FloatArray, level: float, never: str) -> float:
-    """Return when `values` first passes a level upwards and stays above for three samples, s."""
+def _first_rise(time: FloatArray, values: FloatArray, level: float, never: str, *, settled: int = 0) -> float:
+    """Return when `values` first passes a level upwards and stays above for three samples, s.
+
+    Up to the sample `settled` most are above, too: noise passes a small load well before contact.
+    """
     above = values >= level
     stays = above.copy()
     for ahead in (1, 2):
         stays[:-ahead] &= above[ahead:]
     rises = np.flatnonzero(~above[:-1] & stays[1:]) + 1
+    ends, counts = np.maximum(rises + 1, settled), np.cumsum(np.concatenate([[0], above]))
+    rises = rises[counts[ends] - counts[rises] >= _STAYS_ABOVE * (ends - rises)]
     if not rises.size:
         raise LoadingError(never)
     k = int(rises[0])
