@@ -30,7 +30,7 @@ from fingerpad.image.contact_image.edge import Edge, trace_edge
 from fingerpad.image.contact_image.manual import RegionEdit, region_after_strokes, region_of_ellipse
 from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.result import LOW_CONTRAST, ContactImageResult, evaluate
-from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
+from fingerpad.image.contact_image.ridges import CLEAR_RISE, Ridges, find_ridges, smoothed
 from fingerpad.image.contact_image.smooth import find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
@@ -40,6 +40,7 @@ from fingerpad.image.scale import Scale, ScaleLike, as_scale
 _NO_CONTRAST: Final = 2.5  # contrast over noise below which no contact is detectable
 _THRESHOLD_STD: Final = 0.2  # relative standard uncertainty of a threshold that a person chose
 _HISTOGRAM_BINS: Final = 128
+_ROUND: Final = 0.96  # regions that overlap less with their ellipse may contain smears
 
 
 def measure_contact_image(
@@ -212,10 +213,28 @@ def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | N
     if reason is None:
         try:
             region = find_region(view, ridges, seed)
+            if threshold is None and region.roundness < _ROUND:
+                ridges, region = _without_smears(view, ridges, region, seed)
             found = region, trace_edge(view, ridges, region)
         except ImageError as error:
             reason = str(error)
     return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
+
+
+def _without_smears(
+    view: View, ridges: Ridges, region: Region, seed: tuple[float, float] | None
+) -> tuple[Ridges, Region]:
+    """Leave places without ridges out of the contact where it is the rounder for that.
+
+    Grease beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
+    """
+    clear = find_ridges(view, None, CLEAR_RISE)
+    with suppress(ImageError):
+        part = find_region(view, clear, seed)
+        common = np.count_nonzero(part.patch & region.patch)
+        if 2 * common > np.count_nonzero(region.patch) and part.roundness > region.roundness:
+            return clear, part
+    return ridges, region
 
 
 def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:

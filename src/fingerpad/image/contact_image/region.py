@@ -23,6 +23,7 @@ from fingerpad.image._masks import (
 )
 from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
+from fingerpad.image.ellipse import polygon_moments
 
 _OPENING_RADIUS: Final = 0.8  # radius of the disk that opens patches, ridge periods
 _MIN_NOTCH: Final = 1.0  # ridge periods; a notch is deeper
@@ -46,6 +47,12 @@ class Region:
 
     patch: BoolArray  # (rows, columns); where it is, without holes
     several: bool  # whether there are other patches of some size
+
+    @property
+    def roundness(self) -> float:
+        """Intersection over union of the patch and its ellipse."""
+        outline = longest_contour(self.patch).reshape(-1, 2).astype(np.float64)
+        return polygon_moments(outline).overlap(outline)
 
 
 def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) -> Region:

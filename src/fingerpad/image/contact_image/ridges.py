@@ -25,7 +25,8 @@ _WINDOW: Final = 3.0  # ridge periods; side of the windows of local levels
 _SMOOTHING: Final = 0.09  # ridge periods; before
 _ROUNDS: Final = 3  # the levels are found so often
 _PRIOR: Final = 0.03  # weight of the whole picture's levels against a window's own, as a share of the window
-LEAST_RISE: Final = 0.3  # from valley to ridge, as a share of the picture's contrast; less counts as this
+LEAST_RISE: Final = 0.3  # from valley to ridge, as a share of the picture's contrast
+CLEAR_RISE: Final = 0.5  # smears have less
 _LEAST_FOR_STEP: Final = 4  # levels are taken from every other pixel where a period has more than so many
 _MOST_PER_PERIOD: Final = 12  # pixels to a ridge period; more tell nothing more
 _PLACES_PER_PERIOD: Final = 5  # fewer places tell the ridges' share
@@ -50,11 +51,12 @@ class Ridges:
         return quantile(self.level[inside] if inside.any() else self.level.ravel(), 0.5)
 
 
-def find_ridges(view: View, threshold: float | None) -> Ridges:
+def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_RISE) -> Ridges:
     """Tell ridges from valleys in the copy.
 
     The two levels are Ridler & Calvard's means over windows of three periods, or the whole picture's where a
-    window lacks one; with a `threshold` zero and twice that everywhere.
+    window lacks one; with a `threshold` zero and twice that everywhere. A rise of less than `least_rise`, in
+    parts of the picture's contrast, is taken for as much.
     """
     values = smoothed(view)
     if threshold is not None:
@@ -63,7 +65,7 @@ def find_ridges(view: View, threshold: float | None) -> Ridges:
     else:
         step = 2 if view.period >= _LEAST_FOR_STEP else 1
         side = max(1, round(_WINDOW * view.period / step / 3))
-        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast)
+        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast, least_rise)
         above = np.subtract(values, enlarge(valley, side * step, values.shape))
         scale = enlarge(as_float32(255 / rise), side * step, values.shape)
         amount = np.asarray(cv2.multiply(above, scale, dtype=cv2.CV_8U), np.uint8)
@@ -80,7 +82,9 @@ def smoothed(view: View) -> Float32Array:
     return as_float32(cv2.GaussianBlur(view.contact, (0, 0), max(0.4, _SMOOTHING * view.period)))
 
 
-def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
+def _levels(
+    smooth: Float32Array, side: int, contrast: float, least_rise: float
+) -> tuple[Float32Array, Float32Array]:
     """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
 
     A window is three blocks wide.
@@ -94,7 +98,7 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, LEAST_RISE * contrast)
+        rise = np.maximum(ridge - valley, least_rise * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 
