@@ -30,7 +30,7 @@ from tests.studies import (
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import plots, write_report
-from fingerpad.report.text import doubtful_results, fingers_without_results
+from fingerpad.report.text import doubtful_results, fingers_without_results, sequence_notes
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.apply import frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -254,6 +254,17 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(study_dir, keys, chang
     assert reason in lost["reason"]
     if "frames_per_second" in keys:
         assert "It could not be measured" in page_of(result, study_dir / "out")
+
+
+@pytest.mark.parametrize(("least", "noted"), [(5.0, True), (0.5, False), (None, False)])
+def test_a_sequence_of_which_nothing_is_pooled_is_noted(study_dir, least, noted):
+    result = run(study_dir, of_frames(**({} if least is None else {"pool_min_load_N": least})))
+    notes = [note for note in sequence_notes(result) if "frames is pooled" in note]
+    assert len(notes) == noted
+    assert all(note.endswith("in none of the loading ones the load is 5 N or more") for note in notes)
+    held = replace(result, rows=result.rows.assign(phase="hold", pooled=False))
+    *_, note = sequence_notes(held)
+    assert note.endswith("none is of the loading phase")
 
 
 @pytest.mark.parametrize("stated", [None, RATE])

@@ -253,7 +253,17 @@ def names_by_note(summary: Summary) -> dict[str, list[str]]:
 def sequence_notes(result: StudyResult) -> Iterator[str]:
     """Yield what was odd about sequences and what was done about it, as a force that was subtracted."""
     for one in result.sequences:
-        yield from (f"{one.manifest.name}: {note}" for note in (one.summary.notes if one.summary else ()))
+        name, least = one.manifest.name, one.manifest.pool_min_load_N
+        yield from (f"{name}: {note}" for note in (one.summary.notes if one.summary else ()))
+        rows = result.rows[(result.rows["sequence"] == name) & (result.rows["status"] == "measured")]
+        # What flags leave out is said with them.
+        if len(rows) and not rows["pooled"].any() and not rows["excluding_flags"].any():
+            why = "none is of the loading phase"
+            if (rows["phase"] == "loading").any():
+                axis = "the semi-minor axis spans five ridge periods"
+                asked = axis if least is None else f"the load is {least:g} N"
+                why = f"in none of the loading ones {asked} or more"
+            yield f"{name}: none of {len(rows)} frames is pooled: {why}"
 
 
 def implausible_values(result: StudyResult) -> Iterator[str]:
