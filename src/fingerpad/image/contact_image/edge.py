@@ -75,7 +75,7 @@ class Edge:
     # Standard uncertainty of the edge's place all round, which other images of the device share, and so does
     # an edge that a person drew, who sees no more of it
     offset_std: float
-    varying_std: float  # that by which it varies round the outline, where nobody drew it
+    varying_std: float  # that by which it varies round the outline, where it was not drawn manually
     fade: float = 0.0  # how far further out the edge of a contact that fades lies; below 0 where it is sharp
     signs: FadeSigns = _NO_SIGNS
     doubts: frozenset[str] = frozenset()  # flags of this edge

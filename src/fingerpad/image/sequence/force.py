@@ -329,7 +329,7 @@ def frame_clock(
             positive_number(contact_load, "contact_load", LoadingError),
             f"the force never rises through {contact_load:g} N: it starts at {force.load[0]:g} N and lies "
             f"between {low:g} and {high:g} N; tare it or choose another threshold",
-            settled=int(np.searchsorted(force.time, first[0])) if first.size else 0,
+            surely_from=int(np.searchsorted(force.time, first[0])) if first.size else 0,
         )
         return FrameRate(frames_per_second, anchor_time=contact, anchor_frame=None, numbers=numbers)
     if force is not None and start_time is None:
@@ -386,17 +386,19 @@ def _require_increasing(time: FloatArray, name: str) -> None:
     )
 
 
-def _first_rise(time: FloatArray, values: FloatArray, level: float, never: str, *, settled: int = 0) -> float:
+def _first_rise(
+    time: FloatArray, values: FloatArray, level: float, never: str, *, surely_from: int = 0
+) -> float:
     """Return when `values` first passes a level upwards and stays above for three samples, s.
 
-    Up to the sample `settled` most are above, too: noise passes a small load well before contact.
+    Up to the sample `surely_from` most are above, too: noise passes a small load well before contact.
     """
     above = values >= level
     stays = above.copy()
     for ahead in (1, 2):
         stays[:-ahead] &= above[ahead:]
     rises = np.flatnonzero(~above[:-1] & stays[1:]) + 1
-    ends, counts = np.maximum(rises + 1, settled), np.cumsum(np.concatenate([[0], above]))
+    ends, counts = np.maximum(rises + 1, surely_from), np.cumsum(np.concatenate([[0], above]))
     rises = rises[counts[ends] - counts[rises] >= _STAYS_ABOVE * (ends - rises)]
     if not rises.size:
         raise LoadingError(never)

@@ -241,7 +241,7 @@ def _decoded_ahead(frames: Generator[Frame, None, None]) -> Iterator[Frame]:
 
 
 def played_rate(frames: Frames) -> str:
-    """Return the note on a rate that nobody stated: the one at which a video plays."""
+    """Return the note on a rate that was not stated: the one at which a video plays."""
     return (
         f"{frames.path.name} plays at {frames.frames_per_second:g} frames per second, taken for the camera's "
         "rate: state frames_per_second if it took them at another"
