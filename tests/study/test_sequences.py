@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from typing import NoReturn
 
 import cv2
 import numpy as np
@@ -27,7 +28,7 @@ from tests.studies import (
     write_study,
 )
 
-from fingerpad.exceptions import ManifestError
+from fingerpad.exceptions import LoadingError, ManifestError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import plots, write_report
 from fingerpad.report.text import doubtful_results, fingers_without_results, sequence_notes
@@ -254,6 +255,15 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(study_dir, keys, chang
     assert reason in lost["reason"]
     if "frames_per_second" in keys:
         assert "It could not be measured" in page_of(result, study_dir / "out")
+
+
+def test_a_stored_sequence_whose_force_is_refused_now_costs_itself_only(study_dir, monkeypatch):
+    def refuse(path: Path, columns: object) -> NoReturn:
+        raise LoadingError(f"{path}: refused")
+
+    monkeypatch.setattr("fingerpad.image.read_force_signal", refuse)
+    given, lost = records(run(study_dir, of_frames(), contact(load=1, axis="")).rows)
+    assert (given["status"], lost["status"], lost["reason"]) == ("measured", "failed", "force.csv: refused")
 
 
 @pytest.mark.parametrize(("least", "noted"), [(5.0, True), (0.5, False), (None, False)])

@@ -467,9 +467,14 @@ def sequence_measurements(result: SequenceResult, context: RunContext) -> Iterat
     if result.reason is not None:
         yield Measurement(observation=name, reason=result.reason, sequence=name)
         return
+    flags = () if result.summary is None else result.summary.flags
     with _all_stored(name, context):
-        flags = () if result.summary is None else result.summary.flags
-        yield from OpenedSequence(result.manifest, context).measurements(flags)
+        try:
+            opened = OpenedSequence(result.manifest, context)
+        except LoadingError as error:  # what was stored took the force otherwise
+            yield Measurement(observation=name, reason=in_study(str(error), context.folder), sequence=name)
+            return
+        yield from opened.measurements(flags)
 
 
 @contextmanager
