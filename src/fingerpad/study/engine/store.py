@@ -18,6 +18,7 @@ from datetime import UTC, datetime
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 from filelock import FileLock, Timeout
@@ -35,6 +36,7 @@ _APPLICATION_ID: Final = 0x66706164
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 TaskState: TypeAlias = Literal["done", "failed"]
+_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 class DamagedResultError(StoreError):
@@ -162,7 +164,8 @@ class Store:
                     status=status,
                     seconds=float(seconds),
                     count=int(count),
-                    drawn=json.loads(drawn),
+                    # Most draw nothing, and nothing stopped them.
+                    drawn=_NOTHING if drawn == "{}" else json.loads(drawn),
                     limits=None if limits == "null" else Limits(**json.loads(limits)),
                 )
         return found

@@ -31,7 +31,8 @@ class ValidityCheck(CheckRecord):
 
     def with_fields(self, **changed: Any) -> Self:
         """Return the check with some fields changed; all of them stand in the file, null where unknown."""
-        return self.model_construct({*type(self).model_fields}, **{**dict(self), **changed})
+        # One set of the fields that are set serves all checks: of their memory it would be the most.
+        return self.model_construct(_fields_set=_ALL_SET, **{**dict(self), **changed})
 
     def untested(self, why: str) -> Self:
         """Return the check without data."""
@@ -124,6 +125,9 @@ class ValidityCheck(CheckRecord):
             if why not in note:
                 note = f"{note}; {why}" if note else why
         return self.with_fields(verdict=verdict, note=note)
+
+
+_ALL_SET: Final = set(ValidityCheck.model_fields)
 
 
 def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) -> tuple[ValidityCheck, ...]:
