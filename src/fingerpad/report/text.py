@@ -252,10 +252,10 @@ def names_by_note(summary: Summary) -> dict[str, list[str]]:
 
 def sequence_notes(result: StudyResult) -> Iterator[str]:
     """Yield what was odd about sequences and what was done about it, as a force that was subtracted."""
-    for one in result.sequences:
+    for one, frames in zip(result.sequences, result.frames(), strict=True):
         name, least = one.manifest.name, one.manifest.pool_min_load_N
         yield from (f"{name}: {note}" for note in (one.summary.notes if one.summary else ()))
-        rows = result.rows[(result.rows["sequence"] == name) & (result.rows["status"] == "measured")]
+        rows = frames[frames["status"] == "measured"]
         # What flags leave out is said with them.
         if len(rows) and not rows["pooled"].any() and not rows["excluding_flags"].any():
             why = "none is of the loading phase"

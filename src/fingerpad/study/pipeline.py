@@ -275,10 +275,7 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
         if press and count > 1:
             yield "{}: press {} is given {} times, and counts once in R_g".format(*press, count)
     for one_press, words in (
-        (
-            True,
-            "which counts once: keep one, or say by region_of_interest_px which part of it each is",
-        ),
+        (True, "which counts once: keep one, or say by region_of_interest_px which part of it each is"),
         (False, "of different presses, none of which counts: does it show another contact?"),
     ):
         pictures = [

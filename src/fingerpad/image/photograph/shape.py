@@ -259,9 +259,8 @@ def average_over_shapes(
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
-    bent_covariance = DOUBT.widening**2 * inverse[2:4, 2:4] * np.outer(more, more) + DOUBT.floor**2 * np.diag(
-        more**2
-    )
+    relative = DOUBT.widening**2 * inverse[2:4, 2:4] + DOUBT.floor**2 * np.eye(2)
+    bent_covariance = relative * np.outer(more, more)
     # What half of the finger's width contradicts beyond chance.
     gap = 0.0 if math.isnan(half_width) else half_width - given[0]
     excess = max(gap**2 - covariance[0, 0] - (width_std * given[0]) ** 2, 0.0)

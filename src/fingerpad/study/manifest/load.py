@@ -82,9 +82,7 @@ class Table:
 
     kind: Kind
     key: str = ""  # its name, of a curve its number from 0
-    content: dict[str, Any] = field(
-        default_factory=dict
-    )  # of a complete row of a spreadsheet `model` says all
+    content: dict[str, Any] = field(default_factory=dict)  # `model` says all of a complete row
     file: str
     line: int = 0  # of a row of a spreadsheet
     key_path: str = ""  # in the manifest

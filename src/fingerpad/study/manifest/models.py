@@ -365,7 +365,7 @@ Surface = Literal["ridged", "smooth"]
 
 # What a person can correct in the measurement of a contact image.
 CORRECTIONS: Final = frozenset(("dark_on_light", "mask_px", "region_of_interest_px", "seed_px", "threshold"))
-_IMAGE_KEYS: Final = CORRECTIONS | {"background", "scale", "finger_axis_deg", "surface"}
+_IMAGE_KEYS: Final = CORRECTIONS | {"background", "finger_axis_deg", "surface"}
 
 
 class PlacedFinger(ManifestModel):
@@ -444,7 +444,7 @@ class Observation(PlacedFinger):
             raise ValueError("give either file or ellipse_mm, one of the two")
         if self.file is not None and self.scale is None:
             raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
-        idle = sorted(self.model_fields_set & (_IMAGE_KEYS - {"scale"}))
+        idle = sorted(self.model_fields_set & _IMAGE_KEYS)
         if self.file is None and idle:
             raise ValueError(
                 f"without an image there is no use for {', '.join(idle)}; remove what is not meant"

@@ -102,7 +102,7 @@ class FingerAtAngle:
     @property
     def has_modulus(self) -> bool:
         """Whether a loading curve gives a modulus, for which it needs a radius."""
-        return any(fit.loading_radius.known and fit.reduced_modulus.known for fit in self.fits)
+        return any(map(_has_modulus, self.fits))
 
     @property
     def of_curves(self) -> tuple[str, ...]:
@@ -118,6 +118,10 @@ class FingerAtAngle:
     def nothing(self) -> str:
         """Why there is no contact with a radius."""
         return NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
+
+
+def _has_modulus(fit: LoadingFit) -> bool:
+    return fit.loading_radius.known and fit.reduced_modulus.known
 
 
 def _freedom(freedom: float, part: float, whole: float) -> float:
@@ -498,7 +502,7 @@ def _at_load(
         loads = law.load(depth + law.values["contact_offset"])
         xi, deepest = (float(np.interp(at, loads, depth)) for at in (load, fit.modulus_load))
         modulus = math.nan, math.nan
-        if radius.known and top.known:
+        if _has_modulus(fit):
             of_sphere = 0.75 * KPA_PER_MPA * load / (math.sqrt(radius.value) * xi**1.5)
             e = factor * fit.shape_factor * of_sphere
             more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
