@@ -8,16 +8,8 @@ import pytest
 from matplotlib.path import Path
 from numpy.testing import assert_allclose
 
+from fingerpad import figures
 from fingerpad.contact import ContactField, Tissue, solve_contact
-from fingerpad.figures import (
-    mark_receptors,
-    new_figure,
-    new_panels,
-    plot_contact_pressure,
-    plot_section,
-    section_figure,
-    svg,
-)
 from fingerpad.figures.marks import Line, Points, Rule, Text
 from fingerpad.figures.publish import FigureSettings, figure_colours, with_settings
 from fingerpad.figures.style import BLUE, GREY, VERMILLION
@@ -43,8 +35,8 @@ def texts(panel) -> list[str]:
 
 
 def test_pressure_is_in_kpa():
-    axes = new_figure()[1][0]
-    plot_contact_pressure(
+    axes = figures.new_figure()[1][0]
+    figures.plot_contact_pressure(
         axes, layer_field().section(points=101, levels=2), hertz=hertz_field().section(levels=2)
     )
     assert axes.get_ylabel() == "pressure (kPa)"
@@ -55,10 +47,10 @@ def test_pressure_is_in_kpa():
 
 
 def test_shear_is_in_kpa_and_its_highest_marked():
-    _, (panel,) = new_panels()
+    _, (panel,) = figures.new_panels()
     section = hertz_field().section(points=41, levels=31)
     shear, depth = hertz_field().highest_shear_on_axis()
-    plot_section(panel, section, highest_shear=(shear, depth))
+    figures.plot_section(panel, section, highest_shear=(shear, depth))
     levels = [float(mark.label.split()[1]) for mark in panel.marks if mark.label.startswith("_above")]
     assert levels[0] == 0
     assert levels[-1] <= 1000 * section.maximum_shear.max() <= levels[-1] + levels[1]
@@ -71,9 +63,9 @@ def test_shear_is_in_kpa_and_its_highest_marked():
 
 def test_contours_enclose_what_is_above_them():
     """Each point is in the outlines of the levels below its stress, islands and holes included."""
-    _, (panel,) = new_panels()
+    _, (panel,) = figures.new_panels()
     section = layer_field().section(points=41, levels=31)
-    plot_section(panel, section)
+    figures.plot_section(panel, section)
     shear = 1000 * section.maximum_shear
     inner = np.ix_(range(1, 30), range(1, 40))  # on an edge a point is neither in nor out
     points = np.stack(np.meshgrid(section.along, section.depth), axis=-1)[inner].reshape(-1, 2)
@@ -86,19 +78,19 @@ def test_contours_enclose_what_is_above_them():
 
 
 def test_bone_lies_under_a_layer_alone():
-    panel, other = new_panels(columns=2)[1]
-    plot_section(panel, layer_field().section(points=21, levels=9))
+    panel, other = figures.new_panels(columns=2)[1]
+    figures.plot_section(panel, layer_field().section(points=21, levels=9))
     (bone,) = [mark for mark in panel.marks if isinstance(mark, Rule)]
     assert (bone.at, bone.to) == (4.0, pytest.approx(panel.limits("y")[0]))
     assert texts(panel) == ["bone"]
-    plot_section(other, hertz_field().section(points=21, levels=9))
+    figures.plot_section(other, hertz_field().section(points=21, levels=9))
     assert not texts(other)
 
 
 def test_receptors_are_named_in_order_and_apart():
-    _, (panel,) = new_panels()
-    plot_section(panel, layer_field().section(points=21, levels=9))
-    mark_receptors(panel, RECEPTORS, spacing=1.5)
+    _, (panel,) = figures.new_panels()
+    figures.plot_section(panel, layer_field().section(points=21, levels=9))
+    figures.mark_receptors(panel, RECEPTORS, spacing=1.5)
     named = {mark.text: mark for mark in panel.marks if isinstance(mark, Text) and mark.text != "bone"}
     assert list(named) == ["Merkel", "Pacinian"]
     lines = [mark.at for mark in panel.marks if isinstance(mark, Rule) and mark.to is None]
@@ -109,7 +101,7 @@ def test_receptors_are_named_in_order_and_apart():
 
 
 def test_colours_to_choose_are_few_and_contours_keep_theirs():
-    figure = section_figure(layer_field(), hertz=hertz_field(), points=21, levels=9)
+    figure = figures.section_figure(layer_field(), hertz=hertz_field(), points=21, levels=9)
     assert figure_colours(figure) == [BLUE, GREY, VERMILLION]
     wanted = with_settings(figure, FigureSettings(colours=("black",), width_mm=60))
     before, after = (
@@ -121,14 +113,15 @@ def test_colours_to_choose_are_few_and_contours_keep_theirs():
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
 def test_figure_has_equal_scales(width):
-    figure = section_figure(layer_field(), hertz=hertz_field(), receptors=RECEPTORS, width_mm=width)
+    figure = figures.section_figure(layer_field(), hertz=hertz_field(), receptors=RECEPTORS, width_mm=width)
     _, lower, bar = figure.panels
     assert bar.x.label == "maximum shear stress (kPa)"
     sides = np.multiply(lower.place[2:], (figure.width_mm, figure.height_mm))
     spans = [abs(np.subtract(*lower.limits(name))) for name in ("x", "y")]
     assert sides[0] / spans[0] == pytest.approx(sides[1] / spans[1], rel=1e-6)
     frames = [
-        re.findall(r'="([-\d.]+)"', one) for one in re.findall(r"<clipPath.*?</clipPath>", svg(figure, "s"))
+        re.findall(r'="([-\d.]+)"', one)
+        for one in re.findall(r"<clipPath.*?</clipPath>", figures.svg(figure, "s"))
     ]
     (left, _, across, _), (same, _, wide, down), _ = [map(float, one[-4:]) for one in frames]
     assert (left, across) == (same, wide)

@@ -7,23 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad import figures
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures import (
-    new_figure,
-    new_panels,
-    plot_area_against_load,
-    plot_aspect_ratio,
-    plot_contact_compliance,
-    plot_corrected_radius,
-    plot_initial_modulus,
-    plot_layer_effect,
-    plot_load_indentation,
-    plot_pad_with_contact,
-    plot_relaxation,
-    plot_uncertainty_budget,
-    save_figure,
-    svg,
-)
 from fingerpad.figures.marks import Figure, Points
 from fingerpad.figures.svg_text import line_width, runs
 from fingerpad.geometry import Ellipse, Ellipsoid
@@ -33,7 +18,7 @@ LOAD = np.array([0.2, 0.5, 1.0, 2.0])
 VALUE = np.array([12.0, 30.0, 55.0, 80.0])
 STD = np.array([1.0, 2.0, 2.5, 3.0])
 PLOTS = {
-    "radius": lambda axes: plot_corrected_radius(
+    "radius": lambda axes: figures.plot_corrected_radius(
         axes,
         LOAD,
         VALUE,
@@ -43,35 +28,37 @@ PLOTS = {
         measured_radius_std=5.0,
         mean_curvature_radius=70.0,
     ),
-    "area": lambda axes: plot_area_against_load(
+    "area": lambda axes: figures.plot_area_against_load(
         axes, LOAD, VALUE, area_std=STD, exponent=0.8, exponent_std=0.05, synthetic=True
     ),
-    "aspect ratio": lambda axes: plot_aspect_ratio(
+    "aspect ratio": lambda axes: figures.plot_aspect_ratio(
         axes, LOAD, 1 + VALUE / 100, aspect_ratio_std=STD / 100, predicted_aspect_ratio=1.1
     ),
-    "budget": lambda axes: plot_uncertainty_budget(
+    "budget": lambda axes: figures.plot_uncertainty_budget(
         axes, {"wedge angle": 0.7, "load": 0.3}, total={"load": 0.3, "wedge angle": 0.8}
     ),
-    "layer": lambda axes: plot_layer_effect(
+    "layer": lambda axes: figures.plot_layer_effect(
         axes, [3, 4, 8, 12], modulus_ratio=[0.4, 0.5, 0.7, 0.8], radius_ratio=[2.2, 2, 1.5, 1.4]
     ),
-    "compliance": lambda axes: plot_contact_compliance(
+    "compliance": lambda axes: figures.plot_contact_compliance(
         axes, LOAD, VALUE, area_std=STD, loading_radius=12.0, loading_radius_std=0.5
     ),
-    "load": lambda axes: plot_load_indentation(
+    "load": lambda axes: figures.plot_load_indentation(
         axes, LOAD, VALUE, phase=["loading"] * LOAD.size, fits={"Hertz": (LOAD, VALUE)}
     ),
-    "velocity": lambda axes: plot_initial_modulus(axes, LOAD, VALUE / 1000, initial_modulus_std=STD / 1000),
-    "relaxation": lambda axes: plot_relaxation(
+    "velocity": lambda axes: figures.plot_initial_modulus(
+        axes, LOAD, VALUE / 1000, initial_modulus_std=STD / 1000
+    ),
+    "relaxation": lambda axes: figures.plot_relaxation(
         axes, [0.01, 0.1, 1, 10], VALUE, time_constants=[0.5], ramp_time=0.05
     ),
 }
 
 
 def drawn(plot) -> tuple[Figure, ElementTree.Element]:
-    figure, (panel,) = new_panels()
+    figure, (panel,) = figures.new_panels()
     plot(panel)
-    return figure, ElementTree.fromstring(svg(figure, "test"))
+    return figure, ElementTree.fromstring(figures.svg(figure, "test"))
 
 
 def texts(root: ElementTree.Element) -> list[tuple[str, float, float, ElementTree.Element]]:
@@ -115,7 +102,7 @@ def markers(root: ElementTree.Element) -> np.ndarray:
 
 @pytest.mark.parametrize("name", PLOTS)
 def test_limits_are_those_of_matplotlib(name):
-    _, (axes,) = new_figure()
+    _, (axes,) = figures.new_figure()
     PLOTS[name](axes)
     _, root = drawn(PLOTS[name])
     frame = next(root.iter(f"{SVG}clipPath"))[0]
@@ -161,7 +148,7 @@ def test_text_stays_inside(name):
 def test_pad_has_equal_scales():
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     _, root = drawn(
-        lambda axes: plot_pad_with_contact(axes, pad, wedge_angle=0.0, measured=Ellipse(8.0, 4.0))
+        lambda axes: figures.plot_pad_with_contact(axes, pad, wedge_angle=0.0, measured=Ellipse(8.0, 4.0))
     )
     outline = next(root.iter(f"{SVG}image"))
     assert_allclose(float(outline.get("height")) / float(outline.get("width")), 13.8 / 11.8, rtol=1e-3)
@@ -180,8 +167,8 @@ def test_data_survive_the_file_and_nothing_changes_from_one_writing_to_the_next(
     figure, _ = drawn(PLOTS["radius"])
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
-        drawing = save_figure(figure, folder / "radius.v2.svg", description='R < 2 & "more"')
-        data = save_figure(figure, folder / "radius.v2.json")
+        drawing = figures.save_figure(figure, folder / "radius.v2.svg", description='R < 2 & "more"')
+        data = figures.save_figure(figure, folder / "radius.v2.json")
         figure = Figure.of_json(data.read_text("utf-8"))
     for name in ("radius.v2.svg", "radius.v2.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
@@ -189,7 +176,9 @@ def test_data_survive_the_file_and_nothing_changes_from_one_writing_to_the_next(
 
 
 @pytest.mark.parametrize("values", [[], [np.nan, np.nan], [np.nan, 1.0]])
-@pytest.mark.parametrize("plot", [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio])
+@pytest.mark.parametrize(
+    "plot", [figures.plot_corrected_radius, figures.plot_area_against_load, figures.plot_aspect_ratio]
+)
 def test_missing_values(plot, values):
     figure, root = drawn(lambda axes: plot(axes, values, values, synthetic=True))
     assert "nan" not in ElementTree.tostring(root, encoding="unicode")
@@ -199,7 +188,7 @@ def test_missing_values(plot, values):
 
 
 def test_ids_are_those_of_one_figure_and_found():
-    drawings = [svg(drawn(PLOTS["radius"])[0], name) for name in ("a", "b")]
+    drawings = [figures.svg(drawn(PLOTS["radius"])[0], name) for name in ("a", "b")]
     ids = [re.findall(r'\bid="([^"]+)"', one) for one in drawings]
     assert set(ids[0]).isdisjoint(ids[1])
     for one, found in zip(drawings, ids, strict=True):
@@ -209,6 +198,6 @@ def test_ids_are_those_of_one_figure_and_found():
 
 def test_a_full_disk_is_named_with_the_way_out(tmp_path):
     (tmp_path / "drawn.svg").symlink_to("/dev/full")
-    figure, _ = new_panels()
+    figure, _ = figures.new_panels()
     with pytest.raises(FingerpadError, match=r"drawn\.svg: cannot be written \(No space left .* make room"):
-        save_figure(figure, tmp_path / "drawn.svg")
+        figures.save_figure(figure, tmp_path / "drawn.svg")

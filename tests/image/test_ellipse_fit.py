@@ -12,6 +12,7 @@ from fingerpad.exceptions import FitError
 from fingerpad.image import fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.ellipse import half_turn
 from fingerpad.image.ellipse_fit import foot_points
+from fingerpad.image.photograph.arc import fit_arc_ellipse, initial_ellipse
 from fingerpad.simulate import outline_points
 
 semi_axes = st.floats(1.0, 20.0)
@@ -82,28 +83,36 @@ def test_foot_points_are_nearest(semi_x, semi_y, x, y):
     assert np.linalg.norm(foot - (x, y)) <= nearest + 1e-7
 
 
-@pytest.mark.parametrize(
-    ("points", "words"),
-    [
-        (outline_points(3, 2, count=4), "5 different points"),
-        (np.repeat(outline_points(3, 2, count=4), 3, axis=0), "5 different points"),
-        (np.column_stack([np.arange(9.0), 2 * np.arange(9.0)]), "straight line"),
-        (np.column_stack([np.arange(9.0), [*np.arange(8.0), math.nan]]), "row 8"),
-        (np.column_stack([np.arange(9.0), [*np.arange(8.0), math.inf]]), "finite"),
-        (np.zeros((9, 3)), "shape"),
-    ],
-)
-def test_invalid_points(points, words):
-    with pytest.raises(FitError, match=words):
-        fit_ellipse(points)
-
-
-def test_hyperbola_refused():
-    t = np.linspace(-2, 2, 30)
-    with pytest.raises(FitError, match="ellipse"):
-        fit_aligned_ellipse(np.column_stack([np.cosh(t), np.sinh(t)]))
-
-
 def test_the_direction_of_an_axis_is_never_straight_down():
     assert half_turn(math.nextafter(math.pi / 2, 4)) == math.pi / 2
     assert half_turn(-math.pi / 2) == math.pi / 2
+
+
+RUN, FOUR = np.arange(9.0), outline_points(3, 2, count=4)
+
+
+@pytest.mark.parametrize(
+    ("fit", "points", "words"),
+    [
+        (fit_ellipse, FOUR, "5 different points"),
+        (fit_ellipse, np.repeat(FOUR, 3, axis=0), "5 different points"),
+        (fit_ellipse, np.column_stack([RUN, 2 * RUN]), "straight line"),
+        (fit_ellipse, np.column_stack([RUN, [*RUN[:8], math.nan]]), "row 8"),
+        (fit_ellipse, np.column_stack([RUN, [*RUN[:8], math.inf]]), "finite"),
+        (fit_ellipse, np.zeros((9, 3)), "shape"),
+        (fit_aligned_ellipse, np.transpose([np.cosh(RUN / 4 - 1), np.sinh(RUN / 4 - 1)]), "ellipse"),
+        (fit_arc_ellipse, np.zeros((5, 2)), "eight"),
+        (fit_arc_ellipse, np.full((20, 2), np.nan), "eight"),
+        (fit_arc_ellipse, np.zeros((20, 3)), "eight"),
+        (fit_arc_ellipse, np.column_stack([np.arange(20.0)] * 2), "straight line"),
+        (
+            initial_ellipse,
+            np.vstack([outline_points(12, 14, arc=(0.4, 2.7)), (0, 900)]),
+            "far beyond the tip",
+        ),
+        *((fit, "abc", "must be numeric, found 'abc'") for fit in (fit_ellipse, fit_aligned_ellipse)),
+    ],
+)
+def test_points_of_no_ellipse_are_refused(fit, points, words):
+    with pytest.raises(FitError, match=words):
+        fit(points, *(["palmar"] if fit is initial_ellipse else []))

@@ -73,34 +73,37 @@ def test_few_points_do_not_tell_the_shape():
     assert (np.sqrt(np.diagonal(seen.covariance)) > 0.08 * seen.semi_axes).all()
 
 
+ANGLES = np.array([0.1, 1.0, 2.0, 3.0])
+FOUR = np.stack([RADIAL_ULNAR * np.cos(ANGLES), PALMAR * np.sin(ANGLES)], axis=-1)
+
+
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("make", "words"),
     [
-        ((), "no face"),
-        (("palmar",), "palmar semi-axis"),
-        (("distal",), "distal semi-axis"),
-        (("radial",), "radial_ulnar semi-axis"),
+        (lambda seen: semi_axes_of({}), "no face"),
+        (lambda seen: semi_axes_of({"palmar": seen["palmar"]}), "palmar semi-axis"),
+        (lambda seen: semi_axes_of({"distal": seen["distal"]}), "distal semi-axis"),
+        (lambda seen: semi_axes_of({"radial": seen["radial"]}), "radial_ulnar semi-axis"),
+        (lambda seen: semi_axes_of(seen | {"distal": FOUR}), "distal face: four points leave no residual"),
+        *(
+            (lambda seen, bad=bad: semi_axes_of(seen, bad), "relative_scale_std")
+            for bad in (-0.1, math.nan, math.inf)
+        ),
+        (
+            lambda seen: face_from_outline("dorsal", FOUR.repeat(2, axis=0)),
+            "one of palmar, .* found 'dorsal'",
+        ),
+        (lambda seen: face_from_outline("dorsal", seen["palmar"]), "one of palmar, .* found 'dorsal'"),
     ],
 )
-def test_unseen_axis(given, words):
-    outlines = faces(0)
+def test_outlines_that_tell_no_semi_axes_are_refused(make, words):
     with pytest.raises(FitError, match=words):
-        semi_axes_of({face: outlines[face] for face in given})
+        make(faces(0))
 
 
-def test_an_outline_without_a_residual_is_refused():
-    angles = np.array([0.1, 1.0, 2.0, 3.0])
-    four = np.stack([RADIAL_ULNAR * np.cos(angles), PALMAR * np.sin(angles)], axis=-1)
-    with pytest.raises(FitError, match="distal face: four points leave no residual"):
-        semi_axes_of(faces(0) | {"distal": four})
-    five = np.append(four, [[0, 1.01 * PALMAR]], axis=0)
+def test_five_points_have_a_residual():
+    five = np.append(FOUR, [[0, 1.01 * PALMAR]], axis=0)
     assert np.isfinite(semi_axes_of(faces(0) | {"distal": five}).covariance).all()
-
-
-@pytest.mark.parametrize("bad", [-0.1, math.nan, math.inf])
-def test_invalid_scale_std(bad):
-    with pytest.raises(FitError, match="relative_scale_std"):
-        semi_axes_of(faces(0), relative_scale_std=bad)
 
 
 def test_outlines_in_other_units_and_with_decimal_commas(tmp_path):
@@ -123,11 +126,3 @@ def test_invalid_tables(tmp_path, text, words):
     with pytest.raises(ImageError, match=words) as caught:
         read_outline(path)
     assert str(path) in str(caught.value)
-
-
-@pytest.mark.parametrize("count", [8, 80])
-def test_an_unknown_face_is_refused(count):
-    angles = np.linspace(0, math.pi, count)
-    points = np.stack([11.8 * np.cos(angles), 13.8 * np.sin(angles)], axis=-1)
-    with pytest.raises(FitError, match="face must be one of palmar, .* found 'dorsal'"):
-        face_from_outline("dorsal", points)

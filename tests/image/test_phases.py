@@ -87,9 +87,23 @@ def test_a_phase_that_begins_with_the_next_is_empty():
 
 
 @pytest.mark.parametrize(
-    ("start", "words"),
-    [([1.0], "give each its start"), ([1.0, 0.5], "not decrease"), ([1.0, np.nan], "finite")],
+    ("make", "words"),
+    [
+        (lambda: PhaseIntervals([1.0], ["loading", "hold"]), "give each its start"),
+        (lambda: PhaseIntervals([1.0, 0.5], ["loading", "hold"]), "not decrease"),
+        (lambda: PhaseIntervals([1.0, np.nan], ["loading", "hold"]), "finite"),
+        (lambda: phases_of([0, 1], [1]), "time|values"),
+        (lambda: phases_of([1, 0], [0, 1]), "time|values"),
+        (lambda: phases_of([0, 1], [0, np.nan]), "time|values"),
+        (lambda: phases_of("ab", [0, 1]), "time|values"),
+        (lambda: phases_of(0, 1), "time|values"),
+    ],
 )
-def test_intervals_that_are_none_are_refused(start, words):
+def test_what_has_no_phases_is_refused(make, words):
     with pytest.raises(LoadingError, match=words):
-        PhaseIntervals(start, ["loading", "hold"])
+        make()
+
+
+def test_no_record_has_no_phases():
+    assert phases_of([], []).size == 0
+    assert phase_intervals([], []).phase == ()

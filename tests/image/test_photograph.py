@@ -184,6 +184,8 @@ def blank(level=128):
         ({"points": [(10, 10)]}, "two or more"),
         ({"points": [(10, 10), (10, 9999)]}, "outside the picture"),
         ({"points": [(5, 5), (360, 300)]}, "off the finger's outline"),
+        *(({"points": [(bad, 0), (5, 5)]}, "points") for bad in (math.nan, 1e300, 10**400)),
+        *(({"points": bad}, "points") for bad in ("x", [(0, 0)])),
     ],
 )
 def test_invalid_input(changes, words):

@@ -133,6 +133,8 @@ def test_all_that_concerns_ridges_is_empty():
     assert math.isfinite(record["gross_area_mm2_std"])
     assert not found.ridges.any()
     assert draw_overlay(image, found).ndim == 3
+    with pytest.raises(ImageError, match="no threshold"):
+        prepare_contact_image(image, _SCALE, surface="smooth").level_histogram()
 
 
 def test_colours_show_a_contact_that_grey_levels_do_not():
@@ -222,11 +224,6 @@ def test_a_sequence_that_begins_in_contact_needs_a_background():
     empty = _picture(contact=False, reflection=True, noise=7)[0]
     results = list(measure_sequence(frames, _SCALE, surface="smooth", background=empty))
     assert all(result.measures for result in results)
-
-
-def test_no_threshold_is_chosen_for_a_smooth_contact():
-    with pytest.raises(ImageError, match="no threshold"):
-        prepare_contact_image(_picture()[0], _SCALE, surface="smooth").level_histogram()
 
 
 @pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])

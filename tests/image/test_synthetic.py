@@ -1,4 +1,4 @@
-"""The renderers of known truth: what they promise can be seen in their pixels."""
+"""The renderers of known truth: what they promise can be seen in their pixels, and what they refuse."""
 
 import math
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import GeometryError, ImageError
-from fingerpad.simulate import outline_points, render_contact_image, render_finger
+from fingerpad.simulate import outline_points, render_coin, render_contact_image, render_finger
 
 
 def test_seed_determines_picture():
@@ -25,14 +25,6 @@ def test_ink_fills_true_ellipse(pattern):
     hull = cv2.convexHull(dark)
     assert cv2.contourArea(hull) * truth.mm_per_px**2 == pytest.approx(math.pi * 48, rel=0.02)
     assert np.abs(dark.mean(axis=0)[::-1] - truth.centroid).max() < 8
-
-
-@pytest.mark.parametrize(
-    "bad", [{"semi_major": -1}, {"semi_major": 5, "semi_minor": 6}, {"ppi": 0}, {"ridge_period": math.nan}]
-)
-def test_invalid_contact_images(bad):
-    with pytest.raises(GeometryError):
-        render_contact_image(**bad)
 
 
 def test_outline_points_on_arc():
@@ -63,15 +55,17 @@ def test_edge_on_true_arc(face, tip):
     assert (bright > dark + 60).all()
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [{"semi_axes": (-1.0, 5.0)}, {"mm_per_px": 0.0}, {"arc_deg": 10}, {"arc_deg": 200}, {"departure": 2.0}],
-)
-def test_invalid_fingers(changes):
-    with pytest.raises(GeometryError, match="must be"):
-        render_finger(**changes)
+INVALID = [
+    *((render_contact_image, bad) for bad in ({"semi_major": -1}, {"semi_major": 5, "semi_minor": 6})),
+    *((render_contact_image, bad) for bad in ({"ppi": 0}, {"ridge_period": math.nan})),
+    *((render_finger, {"arc_deg": bad}) for bad in (10, 200)),
+    *((render_finger, bad) for bad in ({"semi_axes": (-1.0, 5.0)}, {"mm_per_px": 0.0}, {"departure": 2.0})),
+    (render_finger, {"face": "radial", "palmar": "down"}),
+    *((render_coin, bad) for bad in ({"radius": 0}, {"radius": math.nan}, {"tilt": 2.0})),
+]
 
 
-def test_invalid_directions():
-    with pytest.raises(ImageError, match="palmar side is"):
-        render_finger("radial", palmar="down")
+@pytest.mark.parametrize(("render", "bad"), INVALID)
+def test_what_cannot_be_rendered_is_refused(render, bad):
+    with pytest.raises((GeometryError, ImageError), match="must be|positive radius|palmar side is"):
+        render(**bad)

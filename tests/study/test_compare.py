@@ -19,16 +19,7 @@ from tests.sums import write_sums
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.marks import Figure
 from fingerpad.report.compare import forest_plot, write_comparison_page
-from fingerpad.study.compare import (
-    FinishedStudy,
-    Person,
-    Value,
-    compare_studies,
-    means_of,
-    values_of,
-    verdicts_of,
-    write_comparison,
-)
+from fingerpad.study import compare
 from fingerpad.study.results.summary_file import (
     CheckRecord,
     FingerRecord,
@@ -48,16 +39,16 @@ RecordType = TypeVar("RecordType", bound=Record)
 PLACED = {"finger": "index", "wedge_angle_deg": 30.0, "roll_angle_deg": 0.0, "synthetic": False}
 
 
-def value(value: float, std: float, *, person: str = "P01", named: bool = True, **more: Any) -> Value:
+def value(value: float, std: float, *, person: str = "P01", named: bool = True, **more: Any) -> compare.Value:
     given = {"quantity": "radius_from_indentation_mm", "study": "A", **PLACED}
-    return Value(value=value, std=std, person=Person(person, named), **{**given, **more})
+    return compare.Value(value=value, std=std, person=compare.Person(person, named), **{**given, **more})
 
 
 def test_a_finger_under_two_names_counts_once(tmp_path):
     one, other = (studies.finger(name, person="P01", digit="left_index") for name in ("ellipse", "direct"))
     pressed = [contact(name, finger=name) for name in ("ellipse", "direct")]
     studies.run(tmp_path, one, other, *pressed)
-    found = compare_studies([tmp_path / "out"])
+    found = compare.compare_studies([tmp_path / "out"])
     assert {value.finger for value in found.values} == {"ellipse", "direct"}
     assert {mean.fingers for mean in found.means} == {1}
     assert all(math.isnan(mean.between_fingers_std) for mean in found.means)
@@ -65,13 +56,13 @@ def test_a_finger_under_two_names_counts_once(tmp_path):
 
 def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm():
     moduli = [value(e, 0.1 * e, person=f"P{e}", quantity="youngs_modulus_kpa") for e in (20, 45, 130)]
-    (mean,) = means_of(moduli)
+    (mean,) = compare.means_of(moduli)
     low, high = mean.interval
     assert 0 < low < mean.value < high
     assert_allclose(low * high, mean.value**2)
     assert 4.303 * mean.std > mean.value  # ± t times it would reach below zero
     exponents = [value(n, 0.1, person=f"P{n}", quantity="area_exponent") for n in (0.1, 0.5, 0.9)]
-    (exponent,) = means_of(exponents)
+    (exponent,) = compare.means_of(exponents)
     assert exponent.interval[0] < 0
     assert_allclose(sum(exponent.interval), 2 * exponent.value)
 
@@ -84,13 +75,13 @@ def test_a_mean_over_people_is_not_pulled_to_those_whose_values_are_small():
 
 
 def test_one_person_tells_nothing_of_people():
-    (mean,) = means_of([value(13.0, 0.1), value(14.0, 0.1, finger="ring")])
+    (mean,) = compare.means_of([value(13.0, 0.1), value(14.0, 0.1, finger="ring")])
     assert mean.interval is None
     assert math.isnan(mean.between_people_std)
     assert mean.between_fingers_std == pytest.approx(0.7, abs=0.01)  # √(1/2 − 0.1²)
     # Of one value, as others without uncertainty have no weight.
     of_others = value(99.0, math.nan, person="P02"), value(98.0, 0.0, person="P03")
-    (single,) = means_of([value(13.0, 0.1), *of_others])
+    (single,) = compare.means_of([value(13.0, 0.1), *of_others])
     assert (len(single.people), single.value, single.std) == (1, pytest.approx(13.0), pytest.approx(0.1))
     assert math.isnan(single.between_fingers_std)
 
@@ -98,7 +89,7 @@ def test_one_person_tells_nothing_of_people():
 def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom():
     two = [value(13.0 + offset, 1e-6, finger=f"f{offset}") for offset in (0, 1)]
     four = [value(13.0 + offset, 1e-6, person="P02", finger=f"f{offset}") for offset in (0, 2, 4, 6)]
-    (mean,) = means_of([*two, *four])
+    (mean,) = compare.means_of([*two, *four])
     variances = [np.var([0, 1], ddof=1), np.var([0, 2, 4, 6], ddof=1)]
     expected = np.sqrt(np.average(variances, weights=[1, 3]))
     assert mean.between_fingers_std == pytest.approx(expected, rel=1e-6)
@@ -109,7 +100,7 @@ def test_what_a_wedge_adds_does_not_average_away_within_a_study():
         values = [
             value(14.0, 0.2, person=f"P{n}", study=study, shared_std=0.199) for n, study in enumerate(studies)
         ]
-        return means_of(values)[0].std
+        return compare.means_of(values)[0].std
 
     assert mean_std(["A"] * 16) == pytest.approx(0.2, rel=0.01)
     assert mean_std(["A", "B"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
@@ -122,17 +113,17 @@ def test_real_and_synthetic_angles_and_rolls_never_mix():
             [(False, 30.0, 0.0), (True, 30.0, 0.0), (False, 45.0, 0.0), (False, 30.0, 10.0)]
         )
     ]
-    assert [mean.value for mean in means_of(values)] == pytest.approx([10, 11, 12, 13])
+    assert [mean.value for mean in compare.means_of(values)] == pytest.approx([10, 11, 12, 13])
 
 
 def test_a_named_person_s_finger_is_one_in_all_studies():
     twice = [value(13.0, 0.1, study="A"), value(13.4, 0.1, study="B")]
-    assert (means_of(twice)[0].fingers, len(means_of(twice)[0].people)) == (1, 1)
+    assert (compare.means_of(twice)[0].fingers, len(compare.means_of(twice)[0].people)) == (1, 1)
     unnamed = [value(13.0, 0.1, study=s, person=s, named=False) for s in ("A", "B")]
-    assert (means_of(unnamed)[0].fingers, len(means_of(unnamed)[0].people)) == (2, 2)
+    assert (compare.means_of(unnamed)[0].fingers, len(compare.means_of(unnamed)[0].people)) == (2, 2)
     # A person with the name of a study is not that study's unnamed person.
     mixed = [value(13.0, 0.1, person="A"), value(13.0, 0.1, person="A", named=False)]
-    assert len(means_of(mixed)[0].people) == 2
+    assert len(compare.means_of(mixed)[0].people) == 2
 
 
 # Runs
@@ -166,13 +157,13 @@ def runs(tmp_path_factory) -> list[Path]:
 
 
 def test_every_value_is_that_of_its_run(runs):
-    found = compare_studies([runs[0], runs[1] / "results.csv", runs[2] / "summary.json"])
+    found = compare.compare_studies([runs[0], runs[1] / "results.csv", runs[2] / "summary.json"])
     assert {(v.study, v.finger, v.person) for v in found.values} == {
-        ("Lab <b>A</b>", "l_index", Person("P01", True)),
-        ("Lab <b>A</b>", "l_ring", Person("P01", True)),
-        ("Lab B", "index", Person("P02", True)),
-        ("Lab B", "pad", Person("Lab B", False)),
-        ("Lab C", "index", Person("Lab C", False)),
+        ("Lab <b>A</b>", "l_index", compare.Person("P01", True)),
+        ("Lab <b>A</b>", "l_ring", compare.Person("P01", True)),
+        ("Lab B", "index", compare.Person("P02", True)),
+        ("Lab B", "pad", compare.Person("Lab B", False)),
+        ("Lab C", "index", compare.Person("Lab C", False)),
     }
     for row in studies.summary_of(runs[0])["summaries"]:
         place = "Lab <b>A</b>", row["finger"], row["wedge_angle_deg"]
@@ -189,7 +180,7 @@ def record(model: type[RecordType], **keys: Any) -> RecordType:
     return model.model_construct(**dict.fromkeys(model.model_fields, math.nan) | keys)
 
 
-def finished(**keys: Any) -> FinishedStudy:
+def finished(**keys: Any) -> compare.FinishedStudy:
     """Return a study of one finger at one placement."""
     finger = record(
         FingerRecord,
@@ -203,7 +194,7 @@ def finished(**keys: Any) -> FinishedStudy:
     unknown = {"on_layer": None, "radius_from_indentation_variance_shares": None}
     placement = record(PlacementRecord, **{**PLACED, **unknown, "validity": validity, **keys})
     summary = record(SummaryFile, title="A", fingers=[finger], summaries=[placement], curves=[], by_load=[])
-    return FinishedStudy(folder=Path("out"), summary=summary)
+    return compare.FinishedStudy(folder=Path("out"), summary=summary)
 
 
 def test_what_both_angles_do_to_a_finger_is_shared():
@@ -216,14 +207,14 @@ def test_what_both_angles_do_to_a_finger_is_shared():
         radius_from_indentation_mm_std=0.3,
         radius_from_indentation_variance_shares=shares | {"contact ellipse": 0.4},
     )
-    shared = {each.quantity: each.shared_std for each in values_of(study)}
+    shared = {each.quantity: each.shared_std for each in compare.values_of(study)}
     assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.24))
     assert shared["mean_curvature_radius_mm"] == pytest.approx(0.2 * math.sqrt(0.24 / 0.6))
     assert shared["palmar_mm"] == 0.0
 
 
 def test_means_are_over_people_and_say_of_whom(runs):
-    found = compare_studies(runs)
+    found = compare.compare_studies(runs)
     counts = {mean.synthetic: (len(mean.people), mean.fingers) for mean in found.of("palmar_mm")[1]}
     assert counts == {False: (3, 4), True: (1, 1)}
     notes = " | ".join(found.notes)
@@ -235,8 +226,8 @@ def test_means_are_over_people_and_say_of_whom(runs):
 
 
 def test_tables_hold_all_values_and_means(runs, tmp_path):
-    found = compare_studies(runs)
-    write_comparison(found, tmp_path)
+    found = compare.compare_studies(runs)
+    compare.write_comparison(found, tmp_path)
     rows = studies.rows_of(tmp_path / "compare.csv")
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
     assert {row["unit"] for row in rows} == {"mm", "mm²", "kPa", "1"}
@@ -248,7 +239,7 @@ def test_tables_hold_all_values_and_means(runs, tmp_path):
 
 
 def test_the_page_stands_alone_and_labels_what_is_synthetic(runs, tmp_path):
-    page = write_comparison_page(compare_studies(runs), tmp_path).read_text(encoding="utf-8")
+    page = write_comparison_page(compare.compare_studies(runs), tmp_path).read_text(encoding="utf-8")
     assert "Lab <b>A</b>" not in page
     assert "Lab &lt;b&gt;A&lt;/b&gt;" in page
     assert "<script" not in page
@@ -268,10 +259,10 @@ def test_areas_have_one_mean_at_each_load(runs):
         value(area, 2.0, person=f"P{n}", quantity="highest_area_mm2", load=load)
         for n, (area, load) in enumerate([(98.0, 2.0), (104.0, 1.98), (60.0, 1.0), (64.0, 1.02)])
     ]
-    means = means_of(areas)
+    means = compare.means_of(areas)
     assert {mean.load: len(mean.people) for mean in means} == {2.0: 2, 1.0: 2}
     assert {mean.load: mean.value for mean in means} == pytest.approx({2.0: 101.0, 1.0: 62.0}, rel=0.01)
-    found = replace(compare_studies(runs), values=tuple(areas), means=tuple(means))
+    found = replace(compare.compare_studies(runs), values=tuple(areas), means=tuple(means))
     (plot,) = forest_plot(found, "highest_area_mm2")
     assert list(plot.figure.panels[0].y.names)[-2:] == [f"mean over people at {load} N" for load in (1, 2)]
 
@@ -285,7 +276,7 @@ def changed(run: Path, folder: Path, **keys: Any) -> Path:
 def test_different_versions_and_failures_are_told(runs, tmp_path):
     other = {**studies.summary_of(runs[2])["provenance"], "fingerpad": "0.0.9"}
     older = changed(runs[2], tmp_path / "older", provenance=other, failures=["x"])
-    notes = " | ".join(compare_studies([runs[0], older]).notes)
+    notes = " | ".join(compare.compare_studies([runs[0], older]).notes)
     assert "Lab C by 0.0.9" in notes
     assert "Lab C: 1 could not be measured" in notes
 
@@ -295,7 +286,7 @@ def test_moduli_that_no_finger_has_stand_in_no_mean(runs, tmp_path):
     for one in by_load:
         one["youngs_modulus_kpa"] *= 1000
     wrong = changed(runs[2], tmp_path / "wrong", title="Lab D", by_load=by_load)
-    compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
+    compared, alone = compare.compare_studies([runs[0], wrong]), compare.compare_studies([runs[0]])
     means, others = ([mean.value for mean in one.of("youngs_modulus_kpa")[1]] for one in (compared, alone))
     assert means == others
     said = r"Lab D, index: youngs_modulus_kpa .* 1–5000 kPa and stands in no mean"
@@ -309,7 +300,7 @@ def test_area_and_modulus_of_a_finger_are_means_over_its_repeats(tmp_path):
     presses = [contact(f"c{n}", ellipse=axes, std=0.02) for n, axes in enumerate(zip(*draws, strict=True))]
     lighter = [contact("light", 0.5, (4.7, 3.2), std=0.02)]
     studies.run(tmp_path, studies.finger(), *presses, *lighter, uncertainty={"load_relative_std": 0.01})
-    found = compare_studies([tmp_path / "out"])
+    found = compare.compare_studies([tmp_path / "out"])
     ((area,), _), ((modulus,), _) = found.of("highest_area_mm2"), found.of("youngs_modulus_kpa")
     areas = np.log(np.pi * draws[0] * draws[1])
     assert (area.load, modulus.load) == (2, 2)
@@ -340,7 +331,7 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs, tmp_path):
         ([], "no study is named"),
     ]:
         with pytest.raises(FingerpadError, match=message):
-            compare_studies(paths)
+            compare.compare_studies(paths)
 
 
 def test_from_the_command_line(runs, tmp_path):
@@ -355,7 +346,7 @@ def test_from_the_command_line(runs, tmp_path):
 
 
 def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):
-    found = compare_studies(runs)
+    found = compare.compare_studies(runs)
     summaries = [one for run in runs for one in studies.summary_of(run)["summaries"]]
     hertz = [one for one in found.verdicts if one.model == "Hertz theory"]
     assert [one.verdict for one in hertz] == [s["validity"]["verdict"] for s in summaries]
@@ -363,7 +354,7 @@ def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):
         said = {check["check"]: check["verdict"] for check in summary["validity"]["checks"]}
         assert one.checks
         assert {said[name] for name in one.checks} == {one.verdict}
-    write_comparison(found, tmp_path)
+    compare.write_comparison(found, tmp_path)
     written = studies.rows_of(tmp_path / "compare_validity.csv")
     assert [row["verdict"] for row in written] == [one.verdict for one in found.verdicts]
     page = write_comparison_page(found, tmp_path).read_text(encoding="utf-8")
@@ -374,9 +365,9 @@ def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):
 
 def test_the_discrepancy_of_the_model_does_not_average_away():
     people = [value(14.0, math.hypot(0.2, 3.0), person=f"P{n}", model_std=3.0) for n in range(12)]
-    (mean,) = means_of(people)
+    (mean,) = compare.means_of(people)
     assert 3.0 < mean.std < 3.1
-    (known,) = means_of([value(14.0, 0.2, person=f"P{n}") for n in range(12)])
+    (known,) = compare.means_of([value(14.0, 0.2, person=f"P{n}") for n in range(12)])
     assert mean.between_people_std == pytest.approx(known.between_people_std)
 
 
@@ -393,12 +384,12 @@ def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory():
     of_layer = record(LayerValidityRecord, verdict="holds", checks=checks)
     known = {"headlines": {"youngs_modulus_kpa": headline}, "checks": [], "on_layer": of_layer}
     study = finished(on_layer=layer, validity=record(ValidityRecord, verdict="fails", **known))
-    values = {one.quantity: one for one in values_of(study)}
+    values = {one.quantity: one for one in compare.values_of(study)}
     modulus = values["youngs_modulus_kpa"]
     assert (modulus.value, modulus.verdict) == (66.9, "fails")
     assert modulus.std == pytest.approx(math.hypot(3.7, 20.0))
     on_layer = values["youngs_modulus_on_layer_kpa"]
     assert (on_layer.value, on_layer.std, on_layer.verdict) == (49.2, 5.0, "holds")
-    hertz, layered = verdicts_of(study)
+    hertz, layered = compare.verdicts_of(study)
     assert (hertz.verdict, hertz.checks) == ("fails", ())
     assert (layered.model, layered.checks) == ("7.9 mm of tissue over bone", ("shape_on_layer",))

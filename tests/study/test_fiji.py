@@ -175,6 +175,7 @@ def test_ovals_are_upright_or_lying(tmp_path):
 @pytest.mark.parametrize(
     ("corners", "message"),
     [
+        ("abc", "must be numeric, found 'abc'"),
         ([(0, 0), (1, 1)], "three corners or more"),
         ([(0, 0), (1, np.nan), (2, 2)], "all finite"),
         ([(0, 0), (1, 1), (2, 2)], "encloses no area"),

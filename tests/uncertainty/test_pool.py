@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy import stats
 
-from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import SharedErrors, pool, pool_random_effects, proportional_stds
 
 
@@ -24,28 +23,6 @@ def test_exact_and_tiny_uncertainties() -> None:
     assert pooled.value == pytest.approx(1.0)
     assert np.isfinite(pooled.std)
     assert pool([1.0, 1.0], [1e-200, 1.0]).value == 1.0
-
-
-TWO = [1.0, 2.0]
-THREE_PARTS = SharedErrors(sources=("s",), parts=np.ones((3, 1)), groups=np.zeros((1, 1), int))
-
-
-@pytest.mark.parametrize(
-    ("pooled", "given", "message"),
-    [
-        (pool, ([], []), "no estimates to pool"),
-        (pool, (TWO, [0.1]), "each value needs its standard uncertainty"),
-        (pool, (TWO, [0.1, np.inf]), "uncertainty must be finite and not negative, found inf"),
-        (pool, (TWO, [0.1, -1.0]), "found -1 at index 1"),
-        (pool, ([1.0, np.nan], [0.1, 0.1]), "value to pool must be finite, found nan at index 1"),
-        (pool, (TWO, [0.1, 0.1], [[1.0, 3.0], [3.0, 1.0]]), "correlation"),
-        (pool, (TWO, [0.1, 0.1], THREE_PARTS), "each estimate needs its parts, found 2 and 3"),
-        (pool_random_effects, (TWO, [0.1, 0.0]), "uncertainty must be positive, found 0 at index 1"),
-    ],
-)
-def test_invalid_arguments(pooled, given: tuple, message: str) -> None:
-    with pytest.raises(UncertaintyError, match=message):
-        pooled(*given)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,4 +1,4 @@
-"""First-order propagation against closed forms and a Monte Carlo of its own."""
+"""First-order propagation against closed forms, a Monte Carlo of its own, and the `uncertainties` package."""
 
 from typing import Any
 
@@ -9,7 +9,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from tests.uncertainty.pads import EXACT, PAD
 
-from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, propagate
+from fingerpad.uncertainty import (
+    Inputs,
+    correlated_values,
+    inputs_from_ufloats,
+    pad_model,
+    pad_uncertainty,
+    propagate,
+)
 
 CIRCLE = {**EXACT, "semi_major": 5.0}
 
@@ -119,3 +126,27 @@ def test_a_pad_whose_radii_deviate_from_the_ellipsoids() -> None:
     both = pad_uncertainty(**ball, in_plane_deviation=np.log(1.2), transverse_deviation=np.log(1.2))
     larger = pad_uncertainty(**{**ball, "palmar": 12.0, "distal": 12.0, "radial_ulnar": 12.0})
     assert_allclose(both.value, larger.value, rtol=1e-12, atol=1e-15)
+
+
+def test_propagation_agrees_with_uncertainties() -> None:
+    uncertainties = pytest.importorskip("uncertainties")
+    scale = uncertainties.ufloat(1.0, 0.02)
+    axes = [7.4 * scale + uncertainties.ufloat(0, 0.05), 5.0 * scale]
+    inputs = inputs_from_ufloats(semi_major=axes[0], load=2.0, semi_minor=axes[1])
+    pressure = propagate(
+        lambda load, semi_major, semi_minor: {"pressure": load / (np.pi * semi_major * semi_minor)}, inputs
+    )
+    expected = 2.0 / (np.pi * axes[0] * axes[1])
+    assert_allclose(pressure["pressure"].value, expected.nominal_value)
+    first_order = pressure.jacobian[0] @ inputs.covariance @ pressure.jacobian[0]
+    assert_allclose(np.sqrt(first_order), expected.std_dev)
+
+
+def test_round_trip() -> None:
+    pytest.importorskip("uncertainties")
+    given = Inputs.of(radius=(13.8, 0.2), depth=(2.1, 0.1), correlations={("depth", "radius"): 0.7})
+    outputs = propagate(lambda radius, depth: {"radius": radius, "depth": depth}, given)
+    again = inputs_from_ufloats(**correlated_values(outputs))
+    assert again.names == ("radius", "depth")
+    assert_allclose(again.mean, [13.8, 2.1])
+    assert_allclose(again.covariance, [[0.04, 0.014], [0.014, 0.01]])
