@@ -92,6 +92,9 @@ def test_interpolation_without_extrapolation(start, step, share):
 def test_clocks():
     assert FrameRate(100, anchor_time=2.0, anchor_frame=50).time_of(0, None) == pytest.approx(1.5)
     assert math.isnan(FrameRate(100, anchor_frame=None).time_of(3, None))
+    for frame in (-1, 3):
+        with pytest.raises(LoadingError, match="one of the 3 frames"):
+            FrameRate(100, anchor_frame=frame, numbers=(0, 1, 4))
     assert FrameRate(100, anchor_time=1.0, anchor_frame=None).time_of(13, 3) == pytest.approx(1.1)
     stamps = FrameStamps([0.1, 0.4])
     assert stamps.time_of(1, None) == 0.4

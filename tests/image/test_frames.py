@@ -150,7 +150,7 @@ def test_nan_and_large_pages_fail_alone(tmp_path):
         ("none.avi", lambda path: None, "no such file or folder"),
         ("frames", Path.mkdir, "holds no picture"),
         ("video.avi", lambda path: path.write_text("hello"), "cannot be opened as a video"),
-        ("stack.tif", lambda path: path.write_text("hello"), "cannot be read as TIFF"),
+        ("stack.tif", lambda path: path.write_text("hello"), "not a TIFF file"),
         ("frame.png", Path.touch, "is one picture"),
     ],
 )

@@ -101,3 +101,8 @@ def test_refused(points: tuple[int, int], spacing: float, words: str) -> None:
         measure_grid(
             Scene(rows=240, columns=320, focal=700).picture(POINTS, SPACING, "checkerboard"), points, spacing
         )
+
+
+def test_an_unknown_pattern_is_refused() -> None:
+    with pytest.raises(CalibrationError, match="checkerboard, dots, found 'circles'"):
+        measure_grid(np.zeros((40, 40)), POINTS, SPACING, pattern="circles")

@@ -155,8 +155,10 @@ def marked(**edits):
     ("act", "words"),
     [
         (lambda: placed(semi_axes=(0, 5)), "two positive semi-axes"),
-        (lambda: placed(centre=(math.nan, 5)), "finite centre"),
+        (lambda: placed(centre=(math.nan, 5)), "centre must be two finite"),
+        (lambda: placed(centre="middle"), "centre must be numeric"),
         (lambda: placed(palmar="up"), "leave palmar out"),
+        (lambda: marked(added="abc"), "added points must be numeric"),
         (lambda: marked(added=[1, 2, 3]), "pairs"),
         (lambda: marked(added=[(1, math.inf)]), "finite"),
         (lambda: marked(added=[(1e200, 5)]), "within 1000000 px"),

@@ -49,10 +49,12 @@ def line(length_mm=10.0, end=(0, 9)):
             for bad in WRONG[1:4]
         ),
         (partial(line, end=(0, 0)), "two different ends"),
+        (partial(line, end="ab"), "end must be numeric"),
         (partial(line, end=(0, math.nan)), "end"),
         (lambda: Scale.of_picture(picture(None)), "states no resolution"),
         (lambda: Scale.of_picture(picture(72)), "72 dots"),
         (lambda: Scale.of_picture(picture(96.0)), "96 dots"),
+        (lambda: Scale.of_circle(20, ["a", "b", "c"]), "points must be numeric"),
         (lambda: Scale.of_circle(20, [(0, 0), (1, 1)]), "three points"),
         (lambda: Scale.of_circle(20, [(0, 0), (5, 5), (9, 9)]), "three points"),
         (lambda: Scale.of_circle(20, [(0, 0), (0, 0), (9, 3)]), "three points"),

@@ -8,6 +8,7 @@ import pytest
 from benchmarks.truth import fingertips
 from benchmarks.truth.fingertips import photograph_outline, superellipse
 
+from fingerpad.exceptions import GeometryError
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.image.photograph.calibration import LENGTHS
@@ -128,6 +129,9 @@ def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
     seen = measure_photograph(truth.pixels, "radial", Scale(truth.mm_per_px), palmar="right")
     angle = math.radians(30)
     radius, std = seen.outline_radius(angle)
+    for of in (seen.outline_radius, seen.ellipse_radius):
+        with pytest.raises(GeometryError, match="radians"):
+            of(30.0)
     assert abs(radius - truth.radius(angle)) < 1.96 * std
     assert 0.02 < std / radius < 0.25
     (at_30, *_), palmar = seen.side_radii(), replace(seen, face="palmar")

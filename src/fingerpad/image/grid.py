@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias, get_args
 
 import cv2
 import numpy as np
@@ -52,16 +52,6 @@ class Grid(Displayed):
     CalibrationError
         If the points are too few or not finite, the spacing is not positive, or the homography has no
         inverse.
-
-    Examples
-    --------
-    >>> dark = np.indices((8, 10)).sum(axis=0) % 2 == 0
-    >>> board = np.full((200, 240), 230, dtype=np.uint8)
-    >>> board[20:180, 20:220][np.kron(dark, np.ones((20, 20), bool))] = 30
-    >>> grid = measure_grid(board, (7, 9), 1.0)
-    >>> seen, scale = grid.rectified(board)
-    >>> grid.points.shape, round(scale.mm_per_px, 4)
-    ((7, 9, 2), 0.05)
     """
 
     points: FloatArray
@@ -159,7 +149,9 @@ class Grid(Displayed):
     @cached_property
     def _mm_per_px(self) -> float:
         """Scale in the middle of the grid."""
-        return math.exp(local_middle(np.log(self._local_mm_per_px)))
+        rows, columns = self.points.shape[:2]
+        middle = np.s_[(rows - 1) // 2 : rows // 2 + 1, (columns - 1) // 2 : columns // 2 + 1]
+        return math.exp(np.log(self._local_mm_per_px[middle]).mean())
 
     def _scale(self, more_std: float = 0.0) -> Scale:
         uneven = self.unevenness  # the middle may be wrong by as much
@@ -206,13 +198,6 @@ def _plane(rows: int, columns: int) -> FloatArray:
     return np.stack([x, y, np.ones_like(x)], axis=-1)
 
 
-def local_middle(values: FloatArray) -> float:
-    """Return the value at the middle of a grid of values."""
-    rows, columns = values.shape
-    inner = values[(rows - 1) // 2 : rows // 2 + 1, (columns - 1) // 2 : columns // 2 + 1]
-    return float(inner.mean())
-
-
 def measure_grid(
     image: ImageLike,
     points: tuple[int, int],
@@ -256,7 +241,12 @@ def measure_grid(
     >>> grid = measure_grid(board, (7, 9), 1.0)
     >>> print(f"{grid.scale.mm_per_px:.4f} mm/px, residual {grid.residual:.2f} px, flags {grid.flags}")
     0.0500 mm/px, residual 0.00 px, flags ()
+    >>> seen, scale = grid.rectified(board)
+    >>> round(scale.mm_per_px, 4)
+    0.05
     """
+    if pattern not in get_args(Pattern):
+        raise CalibrationError(f"pattern must be one of {', '.join(get_args(Pattern))}, found {pattern!r}")
     counts = real_array(points, "points", CalibrationError)
     if counts.shape != (2,) or not (counts >= _MIN_POINTS).all() or (counts != np.rint(counts)).any():
         raise CalibrationError(

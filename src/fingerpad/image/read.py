@@ -6,6 +6,8 @@ import math
 import re
 import stat
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -176,25 +178,32 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
     """
     path = Path(path)
     start = read_start(path)
-    with warnings.catch_warnings():
+    with decoding(path):
+        levels, resolution = (_tiff if start in _TIFF_STARTS else _decode)(path, memory_limit)
+        check_finite(levels, path)
+    return levels, resolution
+
+
+@contextmanager
+def decoding(path: Path, page: str = "") -> Iterator[None]:
+    """Refuse a file, or its page, by name, whatever is wrong with it, and keep warnings from printing."""
+    with warnings.catch_warnings(), tifffile_warnings():
         warnings.simplefilter("ignore")
         try:
-            levels, resolution = (_tiff if start in _TIFF_STARTS else _decode)(path, memory_limit)
+            yield
         except UnidentifiedImageError as error:
             raise ImageError(
                 f"{path}: is not a picture this library reads: save it as {_READABLE}"
             ) from error
         except ImageError as error:
-            raise error if str(path) in str(error) else ImageError(f"{path}: {error}") from error
+            raise error if str(path) in str(error) else ImageError(f"{path}{page}: {error}") from error
         except (Image.DecompressionBombError, MemoryError) as error:
-            raise ImageError(f"{path}: far too many pixels: crop or shrink the picture") from error
+            raise ImageError(f"{path}{page}: far too many pixels: crop or shrink the picture") from error
         # The libraries let errors of any kind out of a damaged file.
         except Exception as error:
             raise ImageError(
-                f"{path}: cannot be decoded, the file is cut short or damaged ({error}): copy it again"
+                f"{path}{page}: cannot be decoded, the file is cut short or damaged ({error}): copy it again"
             ) from error
-    check_finite(levels, path)
-    return levels, resolution
 
 
 def check_regular(path: Path) -> None:
@@ -225,7 +234,7 @@ def read_start(path: Path) -> bytes:
 
 
 def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
-    with tifffile_warnings(), tifffile.TiffFile(path) as tiff:
+    with tifffile.TiffFile(path) as tiff:
         page = tiff.pages[0]
         if any(not is_reduced_copy(tiff.pages[number]) for number in range(1, len(tiff.pages))):
             raise ImageError(_SEVERAL.format(len(tiff.pages)))
@@ -256,16 +265,13 @@ def _resolution_of_image(image: Image.Image) -> float | None:
 
 def read_resolution(path: Path) -> float | None:
     """Return the dots per inch that a picture's header states, None where it states none or is damaged."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            if read_start(path) in _TIFF_STARTS:
-                with tifffile_warnings(), tifffile.TiffFile(path) as tiff:
-                    return resolution_of_page(tiff.pages[0])
-            with Image.open(path, formats=_FORMATS) as image:
-                return _resolution_of_image(image)
-        except Exception:  # of any kind, as in `read_levels`, which says what is wrong
-            return None
+    with suppress(ImageError), decoding(path):  # `read_levels` says what is wrong
+        if read_start(path) in _TIFF_STARTS:
+            with tifffile.TiffFile(path) as tiff:
+                return resolution_of_page(tiff.pages[0])
+        with Image.open(path, formats=_FORMATS) as image:
+            return _resolution_of_image(image)
+    return None
 
 
 def _is_deep_colour(image: Image.Image) -> bool:

@@ -11,6 +11,7 @@ from fingerpad._arrays import (
     FloatArray,
     as_float_array,
     check_all,
+    finite_pair,
     non_negative_number,
     positive_number,
     set_fields,
@@ -166,9 +167,7 @@ class Scale(Displayed):
         CalibrationError
             If the length is not positive and finite, or the line has none in the picture.
         """
-        for name, point in (("start", start), ("end", end)):
-            check_all(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
-        length_px = math.dist(start, end)
+        length_px = _distance(start, end)
         if not length_px > 0:
             raise CalibrationError(
                 f"the scale line must have two different ends, found {start} twice: "
@@ -256,9 +255,14 @@ class Scale(Displayed):
         >>> Scale(0.05, 0.001).length((0, 0), (0, 200))
         (10.0, 0.2)
         """
-        length_px = math.dist(start, end)
+        length_px = _distance(start, end)
         own_std = math.sqrt(2) * point_px_std * self.mm_per_px
         return length_px * self.mm_per_px, math.hypot(length_px * self.mm_per_px_std, own_std)
+
+
+def _distance(start: tuple[float, float], end: tuple[float, float]) -> float:
+    """Return the length of a line, px."""
+    return math.dist(finite_pair(start, "start", CalibrationError), finite_pair(end, "end", CalibrationError))
 
 
 def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, float, FloatArray]:
@@ -266,7 +270,7 @@ def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, f
 
     With them comes by how much the radius changes for each point that moves outward by one px.
     """
-    places = as_float_array(points)
+    places = as_float_array(points, "points", CalibrationError)
     if places.shape != (3, 2) or not np.isfinite(places).all():
         raise CalibrationError(f"a circle needs three points (row, column), found shape {places.shape}")
     chords = places[1:] - places[0]

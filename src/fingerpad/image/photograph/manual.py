@@ -10,7 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
+from fingerpad._arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    as_float_array,
+    finite_angle,
+    finite_pair,
+    real_array,
+)
 from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.image.ellipse import PlaneEllipse, nearest_on_sides
@@ -58,12 +66,12 @@ def photograph_from_ellipse(
 
     `semi_axes` are across and along, `centre` is (row, column), `tilt` goes from across to along, radians.
     """
-    if not (np.isfinite([*centre, *semi_axes, tilt]).all() and min(semi_axes) > 0):
-        raise ImageError(
-            f"an ellipse needs a finite centre and tilt and two positive semi-axes, found {centre}, "
-            f"{math.degrees(tilt):g} degrees, {semi_axes}"
-        )
-    check_radians("tilt", tilt)
+    centre, semi_axes = (
+        finite_pair(value, name, ImageError) for name, value in (("centre", centre), ("semi_axes", semi_axes))
+    )
+    if not min(semi_axes) > 0:
+        raise ImageError(f"an ellipse needs two positive semi-axes, found {semi_axes}")
+    tilt = finite_angle("tilt", tilt)
     scale = as_scale(scale)
     side = palmar_directions(face, tip, palmar)[0]
     ellipse, middle = PlaneEllipse(0.0, 0.0, *semi_axes, tilt), PAD_MIDDLE[face]
@@ -123,7 +131,10 @@ def photograph_from_handles(
     >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.tilt, 6) + 0.0
     ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)
     """
-    ends = as_float_array([across_end, along_end]) - as_float_array(centre)
+    ends = np.subtract(
+        [finite_pair(across_end, "across_end", ImageError), finite_pair(along_end, "along_end", ImageError)],
+        finite_pair(centre, "centre", ImageError),
+    )
     across, along = np.linalg.norm(ends, axis=1).tolist()
     axes = face_axes(face, tip, palmar_directions(face, tip, palmar)[0])
     first, second = axes @ ends[0 if across >= along else 1]
@@ -150,11 +161,11 @@ def with_marked_points(
         gone |= _points_under_stroke(places, path, radius)
     if not len(marks) and not (gone & (arc.points["pad"] | arc.searched)).any():
         return found
-    return replace(face_from_arc(arc.without(gone).with_marks(marks)), _picture=found.picture)
+    return replace(face_from_arc(arc.without(gone).with_marks(marks)), picture=found.picture)
 
 
 def _check_points(what: str, points: ArrayLike) -> FloatArray:
-    values = as_float_array(points)
+    values = real_array(points, what, ImageError)
     values = values.reshape(0, 2) if values.size == 0 else values
     if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) <= _FARTHEST_PX).all():
         raise ImageError(

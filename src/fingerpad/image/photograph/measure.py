@@ -138,7 +138,7 @@ def measure_photograph(
     best = min(
         tried, key=lambda one: np.linalg.norm(np.sqrt(np.diagonal(one.edge_covariance)) / one.semi_axes)
     )
-    return replace(best, _picture=pixels)
+    return replace(best, picture=pixels)
 
 
 def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> SubpixelOutline:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, finite_angle
 from fingerpad._display import Displayed, record_text
 from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.shape import radius_of_outline
@@ -53,6 +53,8 @@ class PhotographFit(Displayed):
         where it is blunt. NaN where nothing was fitted.
     outline : ndarray, shape (n, 2)
         All points of the outline that can be pad, in order, (row, column), px.
+    picture : ndarray or None
+        The photograph that was measured, where it is kept.
 
     Examples
     --------
@@ -79,7 +81,7 @@ class PhotographFit(Displayed):
     exponent: float = math.nan
     exponent_std: float = math.nan
     outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
-    _picture: npt.NDArray[Any] | None = None
+    picture: npt.NDArray[Any] | None = field(default=None, repr=False)
     # The arc that was fitted, for manual changes to it: a `FaceArc`.
     _arc: Any = None
 
@@ -88,11 +90,6 @@ class PhotographFit(Displayed):
         """Covariance of the semi-axes from the outline alone: the sum of its terms but the scale's, mm²."""
         terms = [term for name, term in self.covariance_terms.items() if name != "scale"]
         return np.asarray(np.sum(terms, axis=0), dtype=np.float64)
-
-    @property
-    def picture(self) -> npt.NDArray[Any] | None:
-        """The photograph that was measured, None where it is not kept."""
-        return self._picture
 
     def summary(self) -> str:
         """Return the measured numbers as text, one line each."""
@@ -197,6 +194,11 @@ class PhotographFit(Displayed):
         (float, float)
             NaN where the outline does not show the place.
 
+        Raises
+        ------
+        GeometryError
+            If the angle is beyond a full turn, as one in degrees is.
+
         Examples
         --------
         >>> from fingerpad.image import measure_photograph
@@ -207,6 +209,7 @@ class PhotographFit(Displayed):
         >>> bool(abs(radius - found.ellipse_radius(math.radians(30))) < 2 * std)
         True
         """
+        finite_angle("angle", angle)
         mm_per_px = self.scale.mm_per_px
         points = (self.outline - self.centre) @ self.directions.T
         across, along = map(float, self.semi_axes / mm_per_px)
@@ -215,6 +218,7 @@ class PhotographFit(Displayed):
 
     def ellipse_radius(self, angle: float) -> float:
         """Return the radius of curvature of the ellipse, mm, at the place that `outline_radius` names."""
+        finite_angle("angle", angle)
         across, along = self.semi_axes
         support = math.hypot(across * math.cos(angle), along * math.sin(angle))
         return float((across * along) ** 2 / support**3)
@@ -238,10 +242,6 @@ class PhotographFit(Displayed):
             for wedge, radius, std in seen
             if math.isfinite(radius)
         ]
-
-    def without_picture(self) -> Self:
-        """Return the same without the picture that was measured, to save memory."""
-        return replace(self, _picture=None)
 
     def ellipse_points(self, count: int = 361) -> FloatArray:
         """Return so many points (row, column) of the ellipse, px, the first repeated at the end."""

@@ -139,12 +139,11 @@ class ForceSignal(Displayed):
         ndarray
             mm, NaN outside the signal and where none was recorded.
         """
-        missing = np.full_like(self.time, np.nan)
-        return self._at(time, missing if self.displacement is None else self.displacement)
+        return self._at(time, self.displacement)
 
-    def _at(self, time: ArrayLike, values: FloatArray) -> FloatArray:
-        found = np.interp(as_float_array(time), self.time, values, left=np.nan, right=np.nan)
-        return np.asarray(found)[()]
+    def _at(self, time: ArrayLike, values: FloatArray | None) -> FloatArray:
+        known = np.full_like(self.time, np.nan) if values is None else values
+        return np.asarray(np.interp(as_float_array(time), self.time, known, left=np.nan, right=np.nan))[()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +164,8 @@ class FrameRate:
     Raises
     ------
     LoadingError
-        If the rate is not positive and finite, the time not finite, or the frame not a whole number.
+        If the rate is not positive and finite, the time not finite, or the frame not a whole number, or none
+        of those with `numbers`.
 
     Examples
     --------
@@ -185,6 +185,10 @@ class FrameRate:
             if not number.is_integer():
                 raise LoadingError(f"anchor_frame must be a whole number or None, found {number:g}")
             frame = int(number)
+            if self.numbers is not None and not 0 <= frame < len(self.numbers):
+                raise LoadingError(
+                    f"anchor_frame must be one of the {len(self.numbers)} frames, from 0, found {frame}"
+                )
         set_fields(
             self,
             frames_per_second=positive_number(self.frames_per_second, "frames_per_second", LoadingError),
@@ -447,29 +451,32 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
         signal = ForceSignal(
             found["time"], found["force"], found.get("trigger"), displacement=found.get("displacement")
         )
+        _check_press(signal)
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
-    low, high = float(signal.load.min()), float(signal.load.max())
+    return signal
+
+
+def _check_press(signal: ForceSignal) -> None:
+    """Refuse a force or a displacement that has no range, or the wrong sign."""
+    load, depth = signal.load, signal.displacement
+    low, high = float(load.min()), float(load.max())
     if low == high:
-        raise LoadingError(f"{path}: the force is {low:g} N throughout; a press needs a range of it")
+        raise LoadingError(f"the force is {low:g} N throughout; a press needs a range of it")
     if -low > _REVERSED * max(high, 0.0):
         raise LoadingError(
-            f"{path}: the force goes down to {low:g} N and up to {high:g} N only; it is positive in "
-            "compression: reverse its sign"
+            f"the force goes down to {low:g} N and up to {high:g} N only; it is positive in compression: "
+            "reverse its sign"
         )
-    if signal.displacement is not None:
-        off, load = signal.displacement - signal.displacement.mean(), signal.load - signal.load.mean()
-        if np.ptp(signal.displacement) == 0:
-            raise LoadingError(
-                f"{path}: the displacement is {signal.displacement[0]:g} mm throughout: give the column "
-                "another name if nothing was recorded"
-            )
-        if np.dot(load, off) < 0:
-            raise LoadingError(
-                f"{path}: the displacement falls while the force rises; it grows into the pad: reverse its "
-                "sign"
-            )
-    return signal
+    if depth is not None and np.ptp(depth) == 0:
+        raise LoadingError(
+            f"the displacement is {depth[0]:g} mm throughout: give the column another name if nothing was "
+            "recorded"
+        )
+    if depth is not None and np.dot(load - load.mean(), depth - depth.mean()) < 0:
+        raise LoadingError(
+            "the displacement falls while the force rises; it grows into the pad: reverse its sign"
+        )
 
 
 def unread_force_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-import warnings
 from collections import Counter
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -26,6 +25,7 @@ from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_mem
 from fingerpad.image.read import (
     SQUARE,
     check_regular,
+    decoding,
     read_image,
     read_start,
     resolution_of_page,
@@ -204,15 +204,12 @@ class Frames(Displayed):
     @property
     def odd_names(self) -> str | None:
         """What to say of a folder's pictures that are not named as nearly all others; None without any."""
-        names = [path.name for path in self._files]
-        ends = [_ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files]
-        starts = [None if found is None else found.group(1) for found in ends]
-        if not starts:
-            return None
-        usual, count = Counter(starts).most_common(1)[0]
+        ends = {path.name: _ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files}
+        starts = {name: found and found.group(1) for name, found in ends.items()}
+        usual, count = next(iter(Counter(starts.values()).most_common(1)), (None, 0))
         if usual is None or not _MOST_ALIKE * len(starts) <= count < len(starts):
             return None
-        odd = [name for name, start in zip(names, starts, strict=True) if start != usual]
+        odd = [name for name, start in starts.items() if start != usual]
         return (
             f"{joined(odd, 3)} among the frames, named unlike the others: what is no frame of the sequence "
             "belongs in another folder, since it delays the frames that follow"
@@ -348,14 +345,10 @@ def _folder_frames(
 
 def _open_tiff(path: Path) -> tuple[tifffile.TiffFile, int, str | None]:
     """Open a TIFF file, with the number of pages that can be reached and what breaks their chain, if any."""
-    try:
-        with tifffile_warnings():
-            tiff = tifffile.TiffFile(path)
+    with decoding(path):
+        tiff = tifffile.TiffFile(path)
         with tifffile_warnings() as heard:
             count = len(tiff.pages)
-    # tifffile lets errors of any kind out of a damaged file.
-    except Exception as error:
-        raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
     return tiff, count, heard[0].getMessage() if heard else None
 
 
@@ -365,21 +358,14 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Genera
     with tiff:
         for index in range(start, min(stop, count)):
             try:
-                with tifffile_warnings(), warnings.catch_warnings():
-                    warnings.simplefilter("ignore")
+                with decoding(path, f": page {index}"):
                     page = tiff.pages[index]
                     resolution_of_page(page)  # which refuses pixels that are not square
                     pixels = luma(levels_of_page(path, index, page, memory_limit))
-                check_finite(pixels, f"{path}: page {index}")
+                    check_finite(pixels, f"{path}: page {index}")
                 frame = Frame(index=index, pixels=pixels)
             except ImageError as error:
-                named = str(path) in str(error)
-                reason = str(error) if named else f"{path}: page {index}: {error}"
-                frame = Frame(index=index, pixels=None, reason=reason)
-            # tifffile lets errors of any kind out of a damaged page.
-            except Exception as error:
-                reason = f"{path}: page {index} cannot be decoded ({error})"
-                frame = Frame(index=index, pixels=None, reason=reason)
+                frame = Frame(index=index, pixels=None, reason=str(error))
             yield frame
         if broken is not None and stop > count:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"

@@ -277,14 +277,12 @@ def measure_sequence(
     """
     if (force is not None or phases is not None) and clock is None:
         raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
-    if not isinstance(clock, FrameClock | None):
-        kind = type(clock).__name__
-        raise LoadingError(
-            f"clock must be a FrameRate, as frame_clock makes it, or FrameStamps, found {kind}"
-        )
-    if not isinstance(force, ForceSignal | None):
-        kind = type(force).__name__
-        raise LoadingError(f"force must be a ForceSignal, as read_force_signal reads it, found {kind}")
+    for name, value, kinds, wanted in (
+        ("clock", clock, FrameClock | None, "a FrameRate, as frame_clock makes it, or FrameStamps"),
+        ("force", force, ForceSignal | None, "a ForceSignal, as read_force_signal reads it"),
+    ):
+        if not isinstance(value, kinds):
+            raise LoadingError(f"{name} must be {wanted}, found {type(value).__name__}")
     sequence, scale = as_frames(frames), as_scale(scale)
     if settings is None and iter(sequence) is sequence:
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")

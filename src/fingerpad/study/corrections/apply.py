@@ -267,7 +267,7 @@ def corrected_photograph(
         region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
     )
     erased = [(stroke.points_px, stroke.radius_px) for stroke in wanted.erased]
-    return image.with_marked_points(found.without_picture(), added=wanted.added_points_px, erased=erased)
+    return image.with_marked_points(replace(found, picture=None), added=wanted.added_points_px, erased=erased)
 
 
 def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
