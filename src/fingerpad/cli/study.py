@@ -1,5 +1,6 @@
 """Commands that create, run and open studies."""
 
+import sys
 import webbrowser
 from dataclasses import asdict
 from pathlib import Path
@@ -121,6 +122,8 @@ def run(
     parameters or the program have changed. Interrupted, a run finishes the tasks in progress; run again, it
     goes on where it stopped.
     """
+    # pandas loads pyarrow wherever that is installed, 34 MB that no run uses.
+    sys.modules.setdefault("pyarrow", None)  # type: ignore[arg-type]
     from fingerpad.cli.progress import progress_display
     from fingerpad.report import write_report
     from fingerpad.report.terminal import outcome_lines, outcome_notes

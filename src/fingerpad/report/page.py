@@ -155,14 +155,14 @@ def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) ->
 
 def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any]:
     """Return what a table shows of one finger at one placement."""
-    contacts = summary.contacts
+    single = summary.column("frame").isna()
     return {
         "summary": summary,
         "row": first_record(summary.table.iloc[summary.places[:1]]),
         "answer": found,
-        "contacts": len(contacts),
-        "pooled": int(np.count_nonzero(contacts["pooled"])),
-        "doubtful": int(np.count_nonzero(contacts["flags"] != "")),
+        "contacts": int(single.sum()),
+        "pooled": int((single & summary.column("pooled")).sum()),
+        "doubtful": int((single & (summary.column("flags") != "")).sum()),
         "loading": loading_radius(result.curves, summary.finger_and_wedge),
     }
 

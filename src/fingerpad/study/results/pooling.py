@@ -42,7 +42,7 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
     presses it is from their bends, the difference between them and the edge. It is no less than from the
     stated uncertainty of the areas. The interval has Student's t for the scatter.
     """
-    sound = rows[rows["pooled"] & (rows["load_N"] > 0)]
+    sound = rows[[*_OF_AREAS]][rows["pooled"] & (rows["load_N"] > 0)]
     major, minor = sound["semi_major_mm"].to_numpy(), sound["semi_minor_mm"].to_numpy()
     x, y = np.log(sound["load_N"].to_numpy()), np.log(np.pi * major * minor)
     if np.unique(x).size < 2:

@@ -125,7 +125,8 @@ class StudyResult(Displayed):
     @property
     def failed_contacts(self) -> list[tuple[str, str]]:
         """Contacts that failed, with the reason: one line for those of a sequence, scale or finger."""
-        failed = self.rows[self.rows["status"] == "failed"]
+        said = self.rows[["observation", "sequence", "frame", "reason"]]  # all columns take much memory
+        failed = said[self.rows["status"] == "failed"]
         shared = failed["reason"].isin(self._shared_reasons)
         lines = [
             (some[0] if len(some) == 1 else counted(len(some), "contact"), str(reason))
@@ -150,10 +151,10 @@ class StudyResult(Displayed):
 
     def frames(self) -> Iterator[pd.DataFrame]:
         """Yield the rows of frames of each of `sequences`."""
-        places, none = groups(self.rows[["sequence"]], "sequence"), np.empty(0, dtype=np.intp)
+        framed, none = np.flatnonzero(self.rows["frame"].notna()), np.empty(0, dtype=np.intp)
+        places = groups(self.rows[["sequence"]].iloc[framed], "sequence")
         for sequence in self.sequences:
-            rows = self.rows.iloc[places.get((sequence.manifest.name,), none)]
-            yield rows[rows["frame"].notna()]
+            yield self.rows.iloc[framed[places.get((sequence.manifest.name,), none)]]
 
     def of_finger(self, name: str) -> "StudyResult":
         """Return what was found of one finger, as a study of its own, without the scatter over fingers."""
