@@ -1,8 +1,9 @@
 """Folders for results, names and digests of files."""
 
+import errno
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
@@ -10,6 +11,11 @@ from unicodedata import normalize
 
 from fingerpad.exceptions import FingerpadError, ManifestError
 
+# By the reason why nothing can be written.
+_WAYS_OUT: Final[Mapping[int | None, str]] = {
+    **dict.fromkeys((errno.ENOSPC, errno.EDQUOT), "make room and try again"),
+    **dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), "get the right to write, or work on a copy"),
+}
 # Bytes; a file system takes 255 with what is added.
 _LONGEST_STEM: Final = 200
 
@@ -18,11 +24,15 @@ _LONGEST_STEM: Final = 200
 def explain_write_errors(
     path: Path, way_out: str = "", error: type[FingerpadError] = FingerpadError
 ) -> Iterator[None]:
-    """Say of a file that cannot be written, or of `path` where none is named, why, and the way out."""
+    """Say of a file that cannot be written, or of `path` where none is named, why, and the way out.
+
+    By default the way out is that from want of room or of rights.
+    """
     try:
         yield
     except OSError as fault:
         place, why = fault.filename or path, fault.strerror or fault
+        way_out = way_out or _WAYS_OUT.get(fault.errno, "")
         raise error(f"{place}: cannot be written ({why}){way_out and f': {way_out}'}") from fault
 
 

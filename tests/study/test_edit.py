@@ -10,18 +10,23 @@ import signal
 import sys
 import time
 import tomllib
+import zipfile
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 import tomlkit
+from filelock import FileLock
 from tests.studies import append_tables, correct, finger, sequence
 
-from fingerpad.exceptions import EditConflict, FingerpadError, ManifestError
+from fingerpad.exceptions import EditConflict, FingerpadError, ManifestError, StoreError
+from fingerpad.study import journal
 from fingerpad.study.editing import edit
 from fingerpad.study.editing.edit import Edit, change_study, create_study, folded, title_of, unfolded
 from fingerpad.study.editing.template import write_template
-from fingerpad.study.journal import JOURNAL_NAME, recover, replace_files
+from fingerpad.study.journal import JOURNAL_NAME, LOCK_NAME, recover, replace_files
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, is_as_read, load_study, read_study
+from fingerpad.study.share import Bundle, pack
 from fingerpad.study.status import missing, unused_files
 
 MANIFEST = """\
@@ -535,6 +540,54 @@ def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder):
     process.join(60)
     assert process.exitcode == 0
     assert contents(folder) == before
+
+
+def failing_with(number):
+    def fail(*_, **__):
+        raise OSError(number, os.strerror(number))
+
+    return fail
+
+
+def test_where_a_study_cannot_be_changed_it_is_said_why(folder, monkeypatch):
+    seen, edits = loaded(folder), [Edit(kind="study", key="", set={"title": "Theirs"})]
+
+    def change():
+        return change_study(folder, edits, expected=seen.digest, before=seen)
+
+    with monkeypatch.context() as patch, FileLock(folder / LOCK_NAME):
+        patch.setattr(journal, "_WAIT_S", 0.01)
+        with pytest.raises(StoreError, match=f"^{folder}: another process has been writing"):
+            change()
+    with monkeypatch.context() as patch:
+        patch.setattr(FileLock, "acquire", failing_with(errno.EACCES))
+        with pytest.raises(StoreError, match=f"^{folder}: cannot be written .* get the right to write"):
+            change()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", failing_with(errno.ENOSPC))
+        with pytest.raises(StoreError, match="No space left on device.: make room and try again"):
+            change()
+    assert studied(folder).title == "Ours"
+
+
+def test_a_spreadsheet_that_cannot_be_read_is_not_called_unwritable(folder, monkeypatch):
+    (folder / "study.toml").write_text('observations_csv = "rows.csv"\n' + MANIFEST)
+    (folder / "rows.csv").write_text(
+        "name,finger,wedge_angle_deg,load_N,file,scale\nr,left,30,1,a.png,reader\n"
+    )
+    seen = loaded(folder)
+    read = Path.read_bytes
+    monkeypatch.setattr(
+        Path, "read_bytes", lambda path: failing_with(errno.EIO)() if path.name == "rows.csv" else read(path)
+    )
+    with pytest.raises(ManifestError, match=r"^rows\.csv: cannot be read \(Input/output error\)"):
+        change_study(folder, [], expected=seen.digest, before=seen)
+
+
+def test_a_zip_without_room_is_not_taken_for_a_study_that_cannot_be_written(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(zipfile.ZipFile, "write", failing_with(errno.ENOSPC))
+    with pytest.raises(OSError, match="No space left"):  # of the ZIP: the page says where to make room
+        pack(folder, Bundle(folder, folder / "results", ()), tmp_path / "study.zip")
 
 
 @pytest.mark.parametrize(

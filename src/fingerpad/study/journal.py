@@ -14,6 +14,7 @@ from typing import Final
 from filelock import FileLock, Timeout
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import ManifestError, StoreError
 
 _WAIT_S: Final = 30.0
@@ -21,14 +22,21 @@ _WAIT_S: Final = 30.0
 
 @contextmanager
 def locked(path: Path, lock: Path) -> Iterator[None]:
-    """Hold the lock of a file or folder, and say plainly where it cannot be written."""
+    """Hold the lock of a file or folder; `StoreError` where another process has it, or it cannot be made.
+
+    What goes wrong while it is held is the caller's to explain: it may be of any file.
+    """
+    held = FileLock(lock, timeout=_WAIT_S)
+    with explain_write_errors(path, error=StoreError):
+        try:
+            held.acquire()
+        except Timeout:  # an OSError, too
+            words = f"{path}: another process has been writing for {_WAIT_S:g} s: try again"
+            raise StoreError(words) from None
     try:
-        with FileLock(lock, timeout=_WAIT_S):
-            yield
-    except Timeout:
-        raise StoreError(f"{path}: another process has been writing for {_WAIT_S:g} s: try again") from None
-    except OSError as error:
-        raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
+        yield
+    finally:
+        held.release()
 
 
 def read_text_or_none(path: Path) -> str | None:
@@ -118,7 +126,7 @@ def complete(folder: Path) -> None:
 def recover(folder: Path) -> None:
     """Complete the change that a killed process had started in a study folder."""
     if os.path.lexists(folder / JOURNAL_NAME):
-        with locked(folder, folder / LOCK_NAME):
+        with locked(folder, folder / LOCK_NAME), explain_write_errors(folder, error=StoreError):
             complete(folder)
 
 

@@ -19,7 +19,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from fingerpad._files import digest_of
+from fingerpad._files import digest_of, explain_write_errors
 from fingerpad.exceptions import CorrectionConflict, ImageError, ManifestError, StoreError
 from fingerpad.image import open_frames
 from fingerpad.study.corrections.changes import (
@@ -479,7 +479,8 @@ class CorrectionLog:
         who = " ".join(who.split())
         if not 0 < len(who) <= _MOST_NAME:
             raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
-        with self._lock, locked(self._path, self._path.with_name(CORRECTIONS_LOCK)):
+        lock = locked(self._path, self._path.with_name(CORRECTIONS_LOCK))
+        with self._lock, lock, explain_write_errors(self._path, error=StoreError):
             history = self.history(item)
             if history.last_id != expected:
                 latest = history.records[-1] if history.records else None

@@ -15,8 +15,8 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
-from fingerpad._files import make_folder
-from fingerpad.exceptions import EditConflict, ManifestError
+from fingerpad._files import explain_write_errors, make_folder
+from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog, ItemKind, parts_of_item
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, locked, read_text_or_none, replace_files
@@ -29,9 +29,9 @@ from fingerpad.study.manifest.load import (
     Kind,
     LoadedStudy,
     checked_study,
-    file_inside,
     is_as_read,
     load_study,
+    read_inside,
 )
 from fingerpad.study.manifest.models import SCALE_KINDS, checked
 from fingerpad.study.manifest.sheet import Sheet
@@ -180,7 +180,7 @@ class StudyFiles:
         self.sheet: Sheet | None = None
         name = self.before.study.observations_csv
         if name is not None:
-            self.sheet = Sheet(name, file_inside(folder, name).read_bytes())
+            self.sheet = Sheet(name, read_inside(folder, name))
         self._texts = self._written()
         # Tables of lists by their names, as of `find`: to look at all of them for each edit takes too long.
         self.named: dict[Kind, dict[str, Any]] = {}
@@ -208,7 +208,7 @@ class StudyFiles:
             return self.before
 
         def read(name: str) -> bytes:
-            return changed[name].encode() if name in changed else file_inside(self.folder, name).read_bytes()
+            return changed[name].encode() if name in changed else read_inside(self.folder, name)
 
         after = checked_study(self.folder / STUDY_NAME, read(STUDY_NAME), read)
         _require_as_complete(self.before, after)
@@ -415,7 +415,7 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
     if not title.strip():
         raise ManifestError("a study needs a title")
     make_folder(folder)
-    with locked(folder, folder / LOCK_NAME):
+    with locked(folder, folder / LOCK_NAME), explain_write_errors(folder, error=StoreError):
         complete(folder)
         if (folder / STUDY_NAME).exists():
             raise ManifestError(
@@ -433,7 +433,7 @@ def change_study(
 
     `expected` is `LoadedStudy.digest` as the author last saw it; `before` as of `StudyFiles`.
     """
-    with locked(folder, folder / LOCK_NAME):
+    with locked(folder, folder / LOCK_NAME), explain_write_errors(folder, error=StoreError):
         complete(folder)
         files = StudyFiles(folder, tables_of(edits), before)
         if files.before.digest != expected:

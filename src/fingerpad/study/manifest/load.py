@@ -10,6 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal, Self, TypeAlias, TypeVar
@@ -53,6 +54,15 @@ def file_inside(folder: Path, name: str, *, may_be_folder: bool = False) -> Path
             f"{f'{name}/{outside[0]}'!r} is a link that leaves the study folder; copy the file into it"
         )
     return path
+
+
+def read_inside(folder: Path, name: str) -> bytes:
+    """Return the content of a file of the study; `ManifestError` as of `file_inside`, or if unreadable."""
+    path = file_inside(folder, name)
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ManifestError(f"{name}: cannot be read ({error.strerror})") from error
 
 
 Kind: TypeAlias = Literal[
@@ -286,7 +296,7 @@ def load_study(path: Path) -> LoadedStudy:
         ) from None
     except OSError as error:
         raise ManifestError(f"{path}: cannot be read ({error})") from error
-    return checked_study(path, content, lambda name: file_inside(path.parent, name).read_bytes())
+    return checked_study(path, content, partial(read_inside, path.parent))
 
 
 def is_as_read(loaded: LoadedStudy) -> bool:
@@ -327,7 +337,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
             rows = read(top.observations_csv)
             digests[top.observations_csv] = hashlib.sha256(rows).hexdigest()
             tables = chain(tables, _rows(Sheet(top.observations_csv, rows)))
-        except (ManifestError, OSError) as error:
+        except ManifestError as error:
             fault = Fault("observations_csv", str(error))
             wrong.append(Table(kind="study", file=path.name, faults=(fault,)))
     check = TableChecks(path.parent, top.surface)
