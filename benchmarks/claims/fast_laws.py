@@ -139,6 +139,38 @@ def held_out() -> None:
     table(columns, rows, "Largest error on contacts that nothing was fitted to (Hertz theory's)")
 
 
+def at_two_limits(count: int = 50) -> None:
+    """Print the laws' largest errors where contacts near both the width and the thickness that end them."""
+    rng, errors, left_out = np.random.default_rng(0), [], 0
+    for _ in range(count):
+        pad = Ellipsoid(*rng.uniform([6, 9, 8], [10, 16, 13]))
+        placement = Placement(pad, wedge_angle=rng.uniform(0, 1.5), roll_angle=rng.uniform(-0.5, 0.5))
+        radius = 0.59 * float(silhouette_radius(placement))
+        tissue = Tissue.of_reduced_modulus(_MODULUS, 0.5, thickness=radius / 2.95)
+        if fast_contact(placement, tissue, area=np.pi * radius**2).flag_code:
+            left_out += 1
+            continue
+        solved = solve_contact(placement, tissue, area=np.pi * radius**2, points=128)
+        true = {"load": solved.load, "area": solved.area / AREA_BIAS, "indentation": solved.indentation}
+        fast = [fast_contact(placement, tissue, **{name: true[name]}) for name in _NAMES]
+        errors.append([[getattr(one, name) / true[name] - 1 for name in _NAMES] for one in fast])
+    least, most = np.min(errors, axis=0), np.max(errors, axis=0)
+    rows = [
+        [
+            given,
+            *(
+                "given" if name == given else f"{a:+.1%} to {b:+.1%}"
+                for name, a, b in zip(_NAMES, low, high, strict=True)
+            ),
+        ]
+        for given, low, high in zip(_NAMES, least, most, strict=True)
+    ]
+    title = (
+        f"Errors of {len(errors)} random pads at 0.59 of the silhouette and 2.95 times the thickness, ν = 0.5"
+    )
+    table(("given", *_NAMES), rows, f"{title}; {left_out} more are out of range")
+
+
 def _cell(fast: Array, solved: Array, hertz: Array) -> str:
     return f"{np.abs(fast / solved - 1).max():.2%} ({np.abs(hertz / solved - 1).max():.0%})"
 
@@ -184,6 +216,7 @@ def cost(count: int = 400_000) -> None:
 def report() -> None:
     """Print all tables."""
     held_out()
+    at_two_limits()
     hertz_by_size()
     cost()
     circles()

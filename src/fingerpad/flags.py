@@ -390,7 +390,7 @@ _LAYER: Final = (
     ),
     Flag(
         "layer_too_thin",
-        "the contact radius exceeds three times the thickness",
+        "the contact radius exceeds three times the thickness, or the indentation all of it",
         "take lower loads, or check the thickness",
     ),
     Flag(

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, youngs_modulus
-from fingerpad.contact.fast_laws import press
+from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, solve_contact, youngs_modulus
+from fingerpad.contact.fast_laws import ERROR_OF_BOTH, press
 from fingerpad.contact.law_factors import LayerFactors, PadFactors
 from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.geometry.gap import gap_kernel
@@ -177,6 +177,14 @@ INPUTS = {
 }
 
 
+def test_a_wide_contact_on_a_thin_layer_is_within_the_stated_errors() -> None:
+    sphere, tissue = Placement(Ellipsoid(10, 10, 10), wedge_angle=0.0), Tissue(0.1, thickness=2.0)
+    solved = solve_contact(sphere, tissue, area=math.pi * 5.9**2, points=96)
+    found = fast_contact(sphere, tissue, indentation=float(solved.indentation))
+    assert_allclose([found.load, found.area], [solved.load, solved.area], rtol=ERROR_OF_BOTH)
+    assert found.load < 0.985 * solved.load  # so that 1 % was not a bound
+
+
 def test_derivatives_are_exact() -> None:
     found = propagate(model, Inputs.of(**INPUTS))
     centre = {name: value for name, (value, _) in INPUTS.items()}
@@ -204,6 +212,7 @@ def test_slopes_of_the_pad_are_those_of_its_values(of: str, layered: bool) -> No
 
 
 ROUND, TURNED, FLAT = Paraboloid(10, 10), Placement(PAD, wedge_angle=0.5), Placement(PAD, wedge_angle=0.0)
+TIP = Placement(PAD, wedge_angle=math.pi / 2)
 
 
 def pressed(placement, given: dict[str, float]) -> Contact:
@@ -223,6 +232,9 @@ def pressed(placement, given: dict[str, float]) -> Contact:
         (ROUND, {"area": 3.02**2 * math.pi, "thickness": 1.0}, "layer_too_thin"),
         (ROUND, {"load": 1e9, "thickness": 1.0}, "layer_too_thin"),
         (ROUND, {"indentation": 1e9, "thickness": 1.0}, "layer_too_thin"),
+        (ROUND, {"indentation": 9.9, "thickness": 10.0}, ""),
+        (ROUND, {"indentation": 10.1, "thickness": 10.0}, "layer_too_thin"),
+        (TIP, {"area": 105.0, "thickness": 2.0, "poisson_ratio": 0.3}, "layer_too_thin"),  # ξ = 1.5 t
         (Paraboloid(10, 29), {"load": 1.0, "thickness": 5.0}, "contact_too_slender"),
         (ROUND, {"load": 1.0, "thickness": 5.0, "poisson_ratio": 0.29}, "poisson_ratio_out_of_range"),
         (FLAT, {"area": 0.595**2 * math.pi * 13.8 * 11.8}, ""),

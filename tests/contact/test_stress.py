@@ -235,6 +235,8 @@ def test_small_loads_are_hertz_s(roll: float) -> None:
     assert_allclose(found[inner], expected[inner], atol=0.03 * hertz.contact.peak_pressure)
     # The ellipse is one and a half times as long as wide: a quarter turn would show.
     assert np.abs(hertz.pressure_at(-across, along) - expected).max() > 0.3 * hertz.contact.peak_pressure
+    for field in (solved, hertz):  # one point too
+        assert field.pressure_at(0.2, 0.1) == pytest.approx(field.pressure_at([0.2], [0.1])[0])
 
 
 def test_section_ends_at_the_bone() -> None:

@@ -149,7 +149,8 @@ class Form:
 class Contact(Displayed):
     """Contacts under load, one or an array of them; NaN beyond the range of the theory, with a flag.
 
-    One flag, ``thickness_ignored``, leaves the numbers: `hertz_contact` has taken a layer for deep tissue.
+    `hertz_contact` leaves the numbers: with ``thickness_ignored`` they are those of deep tissue, with
+    ``contact_too_wide`` those of paraboloids.
 
     Attributes
     ----------

@@ -93,7 +93,8 @@ class ContactGrid(Displayed):
     def sample(self, field: FloatArray, place: FloatArray) -> FloatArray:
         """Return a field on this grid at points of its own axes, shape (..., 2), zero beyond it."""
         index = (place - [side[0] for side in self.sides]) / self.spacing
-        return np.asarray(map_coordinates(field, np.moveaxis(index, -1, 0), order=1, mode="constant"))
+        found = map_coordinates(field, index.reshape(-1, 2).T, order=1, mode="constant")
+        return np.reshape(found, index.shape[:-1])
 
 
 def contact_outline(

@@ -93,6 +93,10 @@ class LayerFactors:
         """Return a/t."""
         return radius / self._thickness
 
+    def pressed_through(self, indentation: FloatArray) -> BoolArray:
+        """Return whether contacts are indented by the thickness or more, which no layer can be."""
+        return indentation.real >= self._thickness.real
+
     def size(self, radius: FloatArray) -> FloatArray:
         """Return u."""
         if radius is not self._sized:

@@ -151,15 +151,17 @@ def _sphere() -> CubicSpline:
 def _layer(poisson_ratio: float) -> CubicSpline:
     """Return the factors against √(Rξ)/t on a layer bonded to bone (`fast_contact`)."""
     a = np.linspace(0.02, THINNEST, 150)
+    radius = 256.0  # they do not depend on it; on one like the thickness, the layer would be pressed through
     contact = press(
-        paraboloid_gap(np.ones(()), np.ones(())),
+        paraboloid_gap(np.array(radius), np.array(radius)),
         area=np.pi * a**2,
         reduced_modulus=1.0,
         thickness=1.0,
         poisson_ratio=max(poisson_ratio, 0.3),
     )
-    size = np.append(0.0, np.sqrt(contact.indentation))
-    factors = [0.75 * contact.load / contact.indentation**1.5, contact.area_over_pi_indentation]
+    size = np.sqrt(radius * contact.indentation)
+    factors = [0.75 * radius * contact.load / size**3, contact.area_over_pi_indentation / radius]
+    size = np.append(0.0, size)
     return CubicSpline(size, np.insert(factors, 0, 1.0, axis=1).T)
 
 
