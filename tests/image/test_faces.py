@@ -118,6 +118,11 @@ def test_bias_and_coverage(names, std, scale_std):
     assert (found.covered < 0.97).all()
 
 
+def test_one_face_alone_refused():
+    with pytest.raises(FitError, match=r"shows the palmar semi-axis \(given: palmar\)"):
+        combine_faces(face("palmar"))
+
+
 def test_swapped_axes_refused():
     swapped = FaceSemiAxes(face="radial", semi_axes=np.array([13.9, 7.9]), covariance=0.01 * np.eye(2))
     with pytest.raises(FitError, match=r"palmar semi-axis is 7.9 mm in the distal face, 13.9 mm in the rad"):

@@ -106,3 +106,9 @@ def test_refused(points: tuple[int, int], spacing: float, words: str) -> None:
 def test_an_unknown_pattern_is_refused() -> None:
     with pytest.raises(CalibrationError, match="checkerboard, dots, found 'circles'"):
         measure_grid(np.zeros((40, 40)), POINTS, SPACING, pattern="circles")
+
+
+def test_rectified_is_a_picture_alone() -> None:
+    grid = measure_grid(Scene().picture(POINTS, SPACING, "dots"), POINTS, SPACING, pattern="dots")
+    with pytest.raises(CalibrationError, match="pixels must be grey"):
+        grid.rectified("other.png")

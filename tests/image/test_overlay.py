@@ -9,7 +9,7 @@ from PIL import Image
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, draw_overlay, measure_contact_image, measure_photograph, write_overlay
-from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR
+from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR, draw_scale_bar
 from fingerpad.simulate import render_contact_image, render_finger
 
 
@@ -70,6 +70,12 @@ def test_scale_bar_length(made, length):
     assert bar == pytest.approx(length, abs=0.1)
 
 
+def test_a_scale_bar_where_a_quarter_of_the_width_is_just_below_a_power_of_ten():
+    canvas = np.zeros((200, 512, 3), np.uint8)
+    draw_scale_bar(canvas, 4 * math.nextafter(0.1, 0) / 512, 2)
+    assert canvas.any()
+
+
 @pytest.mark.parametrize(("made", "within"), [(contact, (500, 500)), (photograph, (200, 600))])
 def test_label_in_corner(made, within):
     truth, found = made()
@@ -95,3 +101,5 @@ def test_other_picture_refused(made):
     truth, found = made()
     with pytest.raises(ImageError, match=r"shape|the photograph that was measured"):
         draw_overlay(truth.pixels[:150], found)
+    with pytest.raises(ImageError, match="found must be a ContactImageResult or PhotographFit, found str"):
+        draw_overlay(truth.pixels, "found")

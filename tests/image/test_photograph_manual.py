@@ -164,6 +164,7 @@ def marked(**edits):
         (lambda: marked(added=[(1e200, 5)]), "within 1000000 px"),
         (lambda: marked(erased=[([(1e200, 0), (0, 0)], 5)]), "within 1000000 px"),
         (lambda: marked(erased=[([(1, 1)], 0)]), "positive radius"),
+        (lambda: marked(erased=[([(1, 1)], "wide")]), "radius must be numeric"),
         (lambda: marked(erased=[([], 3)]), "needs a point"),
         (lambda: marked(erased=[([found().centre], 1e4)]), "eight finite"),
     ],

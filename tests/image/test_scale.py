@@ -51,6 +51,7 @@ def line(length_mm=10.0, end=(0, 9)):
         (partial(line, end=(0, 0)), "two different ends"),
         (partial(line, end="ab"), "end must be numeric"),
         (partial(line, end=(0, math.nan)), "end"),
+        (lambda: Scale.of_picture("print.png"), "as read_image reads it, found str"),
         (lambda: Scale.of_picture(picture(None)), "states no resolution"),
         (lambda: Scale.of_picture(picture(72)), "72 dots"),
         (lambda: Scale.of_picture(picture(96.0)), "96 dots"),

@@ -253,6 +253,7 @@ def test_a_mask_or_region_within_the_contact_is_named(press):
     ("wrong", "words"),
     [
         ({"clock": 20.0}, "clock must be a FrameRate"),
+        ({"clock": FrameRate(FPS), "phases": "loading"}, "phases must be PhaseIntervals"),
         ({"force": "force.csv"}, "force must be a ForceSignal, as read_force_signal reads it, found str"),
     ],
 )

@@ -91,10 +91,6 @@ class Coin(Displayed):
         The semi-axis that a tilt shortens, px.
     orientation : float
         Angle of the major axis from straight up, counter-clockwise as seen, radians in (−π/2, π/2].
-    residual_std : float
-        Standard deviation of the edge about the ellipse, px.
-    support : float
-        Share of the circumference on which the edge was found.
     shadow : float
         Depth of a shadow beside the edge, as a share of the contrast between coin and background.
     flags : tuple of str
@@ -118,8 +114,6 @@ class Coin(Displayed):
     semi_minor: float
     semi_minor_std: float
     orientation: float
-    residual_std: float
-    support: float
     shadow: float
     flags: tuple[str, ...]
 
@@ -314,8 +308,6 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         semi_minor=semi_minor,
         semi_minor_std=minor_std,
         orientation=orientation_of((math.cos(angle), math.sin(angle))),
-        residual_std=fit.residual_std,
-        support=outline.support,
         shadow=shadow,
         flags=tuple(flag for flag, doubted in doubts.items() if doubted),
     )

@@ -21,7 +21,7 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image.levels import picture_levels
+from fingerpad.image.levels import checked_picture, picture_levels
 from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
 
@@ -175,6 +175,7 @@ class Grid(Displayed):
         scale : Scale
             That of `rectified_scale`.
         """
+        pixels = checked_picture(pixels, "pixels", CalibrationError, colour=True)
         rows, columns = pixels.shape[:2]
         pitch = self._mm_per_px / self.spacing_mm  # spacings per px
         inverse = np.linalg.inv(self.homography)

@@ -46,7 +46,6 @@ _WIDTH = 3  # the report shows the picture about 300 px wide: letters are as lar
 _LINE_PX, _LETTER_PX = 40, 14
 # Before OpenCV 5, its fonts had ASCII only.
 _ASCII = str.maketrans({} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"})
-_AXIS_LABELS = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
 
 
 def draw_overlay(
@@ -79,7 +78,7 @@ def draw_overlay(
     Raises
     ------
     ImageError
-        If the picture is not the one that was measured.
+        If the picture is not the one that was measured, or `found` is no measurement.
 
     Examples
     --------
@@ -92,6 +91,8 @@ def draw_overlay(
     """
     if isinstance(found, ContactImageResult):
         return _draw_contact_image(pixels, found, label)
+    if not isinstance(found, PhotographFit):
+        raise ImageError(f"found must be a ContactImageResult or PhotographFit, found {type(found).__name__}")
     return _draw_photograph(pixels, found, label)
 
 
@@ -237,7 +238,7 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     draw_dot(canvas, middle, 5, FITTED_COLOUR)
     stds = found.semi_axes_mm_std
     for end, (name, length) in zip(ends, found.semi_axes_mm.items(), strict=True):
-        text = f"{_AXIS_LABELS[name]} {length:.2f} ± {stds[name]:.2f} mm".translate(_ASCII)
+        text = f"{name.replace('_', '-')} {length:.2f} ± {stds[name]:.2f} mm".translate(_ASCII)
         x, y = middle + 0.45 * (end - middle)
         level = abs(end[1] - middle[1]) < abs(end[0] - middle[0])
         # Across an upright axis, so that the outline stays free; beside a level one, away from the other.
@@ -294,7 +295,8 @@ def draw_scale_bar(canvas: Canvas, mm_per_px: float, width: int) -> None:
     """Draw a bar of a round length, at most a quarter of the image's width, in the lower right corner."""
     limit = canvas.shape[1] * mm_per_px / 4
     decade = 10.0 ** math.floor(math.log10(limit))
-    length = max(step * decade for step in (1, 2, 5) if step * decade <= limit)
+    # The logarithm of what lies just below a power of ten rounds to the whole number.
+    length = max(step * decade for step in (0.5, 1, 2, 5) if step * decade <= limit)
     pixels = round(length / mm_per_px)
     right, bottom = canvas.shape[1] - 6 * width, canvas.shape[0] - 6 * width
     cv2.rectangle(

@@ -125,6 +125,9 @@ class Scale(Displayed):
         >>> scale.mm_per_px, round(scale.relative_std, 5)
         (0.0508, 0.00058)
         """
+        if not isinstance(picture, Picture):
+            kind = type(picture).__name__
+            raise CalibrationError(f"picture must be a Picture, as read_image reads it, found {kind}")
         ppi = picture.dots_per_inch
         way_out = "give pixels per inch, millimetres per pixel, a line or a coin of known length"
         if ppi is None:

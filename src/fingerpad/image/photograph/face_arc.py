@@ -16,6 +16,7 @@ from fingerpad._arrays import ArrayLike, BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.ellipse_fit import EllipseFit
+from fingerpad.image.photograph import shape
 from fingerpad.image.photograph.arc import (
     MAX_RELATIVE_STD,
     PAD_MIDDLE,
@@ -29,14 +30,6 @@ from fingerpad.image.photograph.arc import (
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
 from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.result import PhotographFit, size_flags
-from fingerpad.image.photograph.shape import (
-    ShapeAverage,
-    average_over_shapes,
-    beyond_chance,
-    contradicted_by_lengths,
-    half_width,
-    is_significant,
-)
 from fingerpad.image.scale import Scale
 
 # So many points left out at an end of the arc say that the pad ends there.
@@ -214,7 +207,7 @@ def _fitted(arc: FaceArc) -> EllipseFit:
     return extend_arc(arc.xy, used, fit, arc.tilt) if arc.ends_known else fit
 
 
-def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
+def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> shape.ShapeAverage:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.xy, arc.face)
     middle = PAD_MIDDLE[arc.face]
@@ -226,8 +219,8 @@ def _average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
     # A side face shows the nail's side too, whose distance is no semi-axis.
     if arc.face in ("palmar", "distal") and len(outline):
         across, along = fit.ellipse.semi_axes
-        half, hidden, _ = half_width(outline, pad, across, along, arc.face)
-    return average_over_shapes(
+        half, hidden, _ = shape.half_width(outline, pad, across, along, arc.face)
+    return shape.average_over_shapes(
         arc.xy[arc.searched & (arc.points["used"] | core)],
         fit.ellipse,
         fit.covariance[2:4, 2:4],
@@ -247,12 +240,12 @@ def _contradicted(
     axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
     outline, pad = arc.about(ellipse, ellipse.angle)
-    lengths = contradicted_by_lengths(
+    lengths = shape.contradicted_by_lengths(
         arc.face, outline, ellipse.semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share
     )
     if arc.face == "distal":
         return lengths, 0.0
-    return lengths, float(beyond_chance(ellipse.angle - arc.tilt[0], LENGTHS.of_tilt_std * arc.tilt[1]))
+    return lengths, float(shape.beyond_chance(ellipse.angle - arc.tilt[0], LENGTHS.of_tilt_std * arc.tilt[1]))
 
 
 def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
@@ -277,7 +270,7 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
         "soft_edges": found.blur_px > 0.02 * semi_px,
         "touches_border": margin < 0,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
-        "not_an_ellipse": no_ellipse or is_significant(found.exponent, found.exponent_std),
+        "not_an_ellipse": no_ellipse or shape.is_significant(found.exponent, found.exponent_std),
         "dorsal_deeper": arc.face == "distal" and not arc.ends_known and palmar_px.min() < -deepest,
         "tilted": abs(found.tilt) > math.radians(10),
         "fitted_manually": bool(arc.points["marked"].any()) or len(arc.erased) > 0,

@@ -269,7 +269,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     >>> round(found.palmar, 3), round(found.distal, 3), found.degrees_of_freedom, round(found.p_value, 2)
     (7.95, 13.75, 3, 0.8)
     """
-    faces = tuple(faces)
+    faces = (faces,) if isinstance(faces, FaceSemiAxes) else tuple(faces)
     for one in faces:
         if not isinstance(one, FaceSemiAxes):
             raise FitError(f"give face_semi_axes of a measured photograph, found {type(one).__name__}")

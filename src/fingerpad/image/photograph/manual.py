@@ -18,6 +18,7 @@ from fingerpad._arrays import (
     finite_angle,
     finite_pair,
     real_array,
+    real_number,
 )
 from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
@@ -178,7 +179,7 @@ def _check_points(what: str, points: ArrayLike) -> FloatArray:
 def _points_under_stroke(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
     """Return which points lie under a stroke of a rubber."""
     path = _check_points("a stroke", stroke)
-    if not (len(path) and radius > 0 and math.isfinite(radius)):
+    if not (len(path) and 0 < real_number(radius, "radius", ImageError) < math.inf):
         raise ImageError(f"a stroke needs a point and a positive radius, found {len(path)} and {radius}")
     sides = (path, path) if len(path) == 1 else (path[:-1], path[1:])
     off = points[:, None] - nearest_on_sides(points[:, None], *sides)

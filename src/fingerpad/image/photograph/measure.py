@@ -9,21 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, IndexArray, as_float_array, real_array
+from fingerpad._arrays import ArrayLike, Float32Array, FloatArray, IndexArray, as_float_array, real_array
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image._masks import region_window
 from fingerpad.image.levels import check_finite, checked_picture
-from fingerpad.image.photograph.arc import (
-    PAD_MIDDLE,
-    candidate_points,
-    finger_tilt,
-    fit_arc,
-    initial_ellipse,
-    longest_arc,
-    rough_start,
-)
+from fingerpad.image.photograph import arc
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
@@ -126,10 +117,9 @@ def measure_photograph(
     for side in sides:
         try:
             if marked is None:  # by the frame, on the sides that the pad faces
-                faced: dict[Face, tuple[Direction, ...]] = {"palmar": (tip,), "distal": (side,)}
-                silhouette.check_not_cut(faced.get(face, (tip, side)), tip)
-            arc = _pad_arc(edges, marked, face, face_axes(face, tip, side), scale)
-            tried.append(face_from_arc(replace(arc, border=border)))
+                silhouette.check_not_cut((side,) if face in ("palmar", "distal") else (tip, side), tip)
+            outline = _pad_arc(edges, marked, face, face_axes(face, tip, side), scale)
+            tried.append(face_from_arc(replace(outline, border=border)))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -141,7 +131,7 @@ def measure_photograph(
     return replace(best, picture=pixels)
 
 
-def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> SubpixelOutline:
+def _outline(light: Float32Array, silhouette: Silhouette) -> SubpixelOutline:
     """Locate the outline, first as far as the silhouette can be off, then closely."""
     contour = silhouette.contour()
     if len(contour) < 40:
@@ -163,7 +153,7 @@ def _pad_arc(
     """Return the pad's arc: the longest that one ellipse fits, or as marked."""
     origin = edges.points.mean(axis=0)
     local = (edges.points - origin) @ axes.T
-    tilt, pad = finger_tilt(local, face), candidate_points(local, face)
+    tilt, pad = arc.finger_tilt(local, face), arc.candidate_points(local, face)
     order = pad if marked is None else marked
     if edges.found[order].sum() < _MIN_POINTS:
         raise FitError(
@@ -176,21 +166,21 @@ def _pad_arc(
         every = np.roll(every, len(every) // 2 - int(order[len(order) // 2]))
     every = every[edges.found[every]]
     xy, candidates = local[every], np.flatnonzero(np.isin(every, order))
-    rough = np.append(initial_ellipse(local, face)[:4], tilt[0])
+    rough = np.append(arc.initial_ellipse(local, face)[:4], tilt[0])
     if marked is None:
-        arc = longest_arc(xy, candidates, PAD_MIDDLE[face], tilt, rough)
+        found = arc.longest_arc(xy, candidates, arc.PAD_MIDDLE[face], tilt, rough)
     else:
-        arc = fit_arc(xy, candidates, tilt, rough_start(xy[candidates], tilt, rough))
+        found = arc.fit_arc(xy, candidates, tilt, arc.rough_start(xy[candidates], tilt, rough))
     points = outline_points(xy, step_ratio=edges.step_ratio[every], pad=np.isin(every, pad), used=False)
-    points["used"][arc.used] = True
-    points["rejected"][arc.rejected] = True
+    points["used"][found.used] = True
+    points["rejected"][found.rejected] = True
     return FaceArc(
         face=face,
         scale=scale,
         frame=(axes, origin),
         tilt=tilt,
         points=points,
-        start=arc.fit.ellipse.parameters,
+        start=found.fit.ellipse.parameters,
         ends_known=marked is not None,
         blur=edges.blur,
     )

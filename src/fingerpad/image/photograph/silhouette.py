@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
-from fingerpad._arrays import BoolArray, FloatArray, IndexArray
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, IndexArray, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, runs
@@ -99,7 +99,7 @@ class Silhouette(NamedTuple):
                 )
 
 
-def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+def opponent_light(pixels: npt.NDArray[Any]) -> Float32Array:
     """Return luma as light, then the levels of red and blue beyond it; luma alone for a grey picture.
 
     Files keep luma sharp and colour at half the resolution, both of levels: apart, each is trusted as
@@ -107,14 +107,12 @@ def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
     """
     if pixels.ndim == 2:
         return linear_light(pixels)[..., None]
-    levels = np.asarray(shares_of_top(pixels)[..., :3], dtype=np.float32)
-    luma = np.asarray(levels @ LUMA, dtype=np.float32)
+    levels = as_float32(shares_of_top(pixels)[..., :3])
+    luma = as_float32(levels @ LUMA)
     return np.stack([linear_light(luma), levels[..., 0] - luma, levels[..., 2] - luma], axis=-1)
 
 
-def find_silhouette(
-    light: npt.NDArray[np.float32], root: Direction | None, window: tuple[slice, slice] | None
-) -> Silhouette:
+def find_silhouette(light: Float32Array, root: Direction | None, window: Window | None) -> Silhouette:
     """Set the finger apart from the backdrop whose colour is that of the frame's border.
 
     `root` is the side of the frame through which the finger comes in, None when it is seen end on; `window`
@@ -128,8 +126,8 @@ def find_silhouette(
             f"a photograph of {light.shape[0]} × {light.shape[1]} pixels is too small: "
             f"{_MIN_SIDE_PX} px a side are the least"
         )
-    small = np.asarray(cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.float32)
-    small = np.asarray(cv2.GaussianBlur(small, (0, 0), 1.2), dtype=np.float32).reshape(rows, columns, -1)
+    small = as_float32(cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA))
+    small = as_float32(cv2.GaussianBlur(small, (0, 0), 1.2)).reshape(rows, columns, -1)
     off, noise = _off_backdrop(small, root)
     # Channel by channel, since sums over three neighbours in memory take several times as long.
     whitened = cv2.split(cv2.transform(off, np.linalg.inv(np.linalg.cholesky(noise))))
@@ -142,7 +140,7 @@ def find_silhouette(
     return Silhouette(_component(_finger(distance), (first, second), way_in), reduction)
 
 
-def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tuple[FloatArray, FloatArray]:
+def _off_backdrop(small: Float32Array, root: Direction | None) -> tuple[FloatArray, FloatArray]:
     """Return what each pixel has beyond the backdrop, a smooth surface through the border, and its noise."""
     rows, columns = small.shape[:2]
     band = max(3, round(0.025 * min(rows, columns)))
@@ -195,7 +193,7 @@ def _finger(distance: FloatArray) -> BoolArray:
     return np.asarray(mask, dtype=bool)
 
 
-def _component(mask: BoolArray, window: tuple[slice, slice], way_in: Direction | None) -> BoolArray:
+def _component(mask: BoolArray, window: Window, way_in: Direction | None) -> BoolArray:
     """Return the region that fills most of the window, without holes; first one that comes in by `way_in`."""
     size = max(3, round(0.006 * max(mask.shape)) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
@@ -268,7 +266,7 @@ class SubpixelOutline(NamedTuple):
 
 
 def locate_edges(
-    light: npt.NDArray[np.float32], contour: FloatArray, *, reach: float, spacing: float = 1.0
+    light: Float32Array, contour: FloatArray, *, reach: float, spacing: float
 ) -> SubpixelOutline:
     """Locate the edge within `reach` of each point of a rough contour, (row, column), px.
 

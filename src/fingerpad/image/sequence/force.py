@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
+from types import UnionType
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from fingerpad._arrays import (
     as_float_array,
     finite_number,
     positive_number,
+    real_array,
     real_number,
     set_fields,
 )
@@ -40,6 +42,7 @@ _LEAST_ZERO: Final = 0.005  # of the largest load; it is more
 _LEAST_CONTACT: Final = 0.05  # of the range above the lowest values; a hold is further up
 _SEEN_OF_LARGEST: Final = 0.05  # of the largest area; such a touch is surely seen,
 _SEEN_OF_FIRST: Final = 1.2  # or of that of the first frame in contact
+FORCE_KIND: Final = "a ForceSignal, as read_force_signal reads it"
 # Required, and optional.
 FORCE_COLUMNS: Final = (("time", "force"), ("trigger", "displacement"))
 
@@ -87,9 +90,9 @@ class ForceSignal(Displayed):
     ) -> None:
         given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
         channels = {
-            name: as_float_array(values, name, LoadingError)
+            name: real_array(values, name, LoadingError)
             for name, values in given.items()
-            if values is not None
+            if values is not None or name in ("time", "load")
         }
         time = channels["time"]
         if time.ndim == 1 and time.size < _MIN_SAMPLES:
@@ -239,6 +242,12 @@ class FrameStamps(Displayed):
 FrameClock: TypeAlias = FrameRate | FrameStamps
 
 
+def check_kind(name: str, value: object, kind: type | UnionType, wanted: str) -> None:
+    """Refuse an argument of another type than None."""
+    if not isinstance(value, kind | None):
+        raise LoadingError(f"{name} must be {wanted}, found {type(value).__name__}")
+
+
 def level_before_contact(force: ForceSignal, before: FloatArray) -> float:
     """Return the level of a force without contact, N; 0 where it hardly differs from zero, or is not known.
 
@@ -318,6 +327,7 @@ def frame_clock(
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
+    check_kind("force", force, ForceSignal, FORCE_KIND)
     if contact_load is not None:
         if force is None:
             raise LoadingError("the load of first contact aligns frames with a force: give the force too")
@@ -360,12 +370,12 @@ def alignment_scatter(
     greater one. A pad that creeps or dissipates does the same in part: the least scatter is where frames and
     force agree best, which is no proof that they do.
     """
-    time, area = as_float_array(time), as_float_array(area)
+    time, area = as_float_array(time, "time", LoadingError), as_float_array(area, "area", LoadingError)
     if time.ndim != 1 or time.shape != area.shape:
         raise LoadingError(f"time has shape {time.shape} and area {area.shape}: give one area for each frame")
     measured = np.isfinite(time) & (area > 0)
     time, grown = time[measured], np.log(area[measured])
-    shifts = as_float_array(shift)
+    shifts = as_float_array(shift, "shift", LoadingError)
     found = np.full(shifts.size, np.nan)
     for k, by in enumerate(shifts.flat):
         load = signal.load_at(time + by)

@@ -24,7 +24,13 @@ from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions, crop
 from fingerpad.image.levels import Pixels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
-from fingerpad.image.sequence.force import ForceSignal, FrameClock, zero_before_contact
+from fingerpad.image.sequence.force import (
+    FORCE_KIND,
+    ForceSignal,
+    FrameClock,
+    check_kind,
+    zero_before_contact,
+)
 from fingerpad.image.sequence.frames import Frame, Frames, FramesLike, as_frames
 from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_intervals
 from fingerpad.image.sequence.result import FrameResult
@@ -277,12 +283,9 @@ def measure_sequence(
     """
     if (force is not None or phases is not None) and clock is None:
         raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
-    for name, value, kinds, wanted in (
-        ("clock", clock, FrameClock | None, "a FrameRate, as frame_clock makes it, or FrameStamps"),
-        ("force", force, ForceSignal | None, "a ForceSignal, as read_force_signal reads it"),
-    ):
-        if not isinstance(value, kinds):
-            raise LoadingError(f"{name} must be {wanted}, found {type(value).__name__}")
+    check_kind("clock", clock, FrameClock, "a FrameRate, as frame_clock makes it, or FrameStamps")
+    check_kind("force", force, ForceSignal, FORCE_KIND)
+    check_kind("phases", phases, PhaseIntervals, "PhaseIntervals, as phase_intervals finds them")
     sequence, scale = as_frames(frames), as_scale(scale)
     if settings is None and iter(sequence) is sequence:
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")
@@ -372,13 +375,10 @@ def assign_times(
         found = phase_intervals(index, np.interp(index, seen, texture[seen]))
 
     def phase_of(result: FrameResult) -> Phase | None:
-        if (
-            result.index >= texture.size
-            if by_number
-            else math.isnan(result.time) or "no_force" in result.flags
-        ):
+        place = result.index if by_number else result.time
+        if place >= texture.size if by_number else math.isnan(place) or "no_force" in result.flags:
             return None
-        phase = found.at(result.index if by_number else result.time)
+        phase = found.at(place)
         touching = result.measures is not None and first_contact is not None and result.index >= first_contact
         if phases is None and touching:
             return "loading" if phase == "before" else "unloading" if phase == "after" else phase
