@@ -59,13 +59,7 @@ def contact(
     What the scale leaves open is added to the covariance.
     """
     sizes = np.sort(np.asarray(axes, dtype=float))[::-1]
-    image: dict[str, Any] = {
-        "name": name,
-        "file": "x.png",
-        "scale": "s",
-        "finger": finger,
-        "session": session,
-    }
+    image: Any = {"name": name, "file": "x.png", "scale": "s", "finger": finger, "session": session}
     return Observation(wedge_angle_deg=wedge_deg, load_N=load, **image), Measurement(
         observation=name,
         load_N=load if measured_load is None else measured_load,

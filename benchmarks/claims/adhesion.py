@@ -23,13 +23,12 @@ def judged(record: Record) -> dict[str, float]:
     if fit is None or not all(found.known for found in fit.parameters.values()):
         return {"refused": 1.0}
     modulus, work = fit.parameters["youngs_modulus"], fit.parameters["work_of_adhesion"]
-    pairs = (
-        (modulus, record.modulus),
-        (work, record.work_of_adhesion),
-        (fit.contact_offset, record.contact_offset),
-    )
-    within = (float(found.lower <= true <= found.upper) for found, true in pairs)
-    held = dict(zip(("E", "w", "x0"), within, strict=True))
+    pairs = {"E": modulus, "w": work, "x0": fit.contact_offset}
+    truths = record.modulus, record.work_of_adhesion, record.contact_offset
+    held = {
+        name: float(one.lower <= true <= one.upper)
+        for (name, one), true in zip(pairs.items(), truths, strict=True)
+    }
     hertz = fit.models["hertz"].values["youngs_modulus"] if "hertz" in fit.models else np.nan
     return held | {
         "refused": 0.0,
@@ -53,19 +52,8 @@ def report(count: int = 20, seed: int = 23) -> None:
             return KINDS[kind], refused, *9 * ("–",)
         shares = (f"{fitted[name].sum():.0f}" for name in ("E", "w", "x0", "flagged", "silent"))
         modulus, work, hertz = fitted[["E std", "w std", "hertz"]].median()
-        off = " to ".join(percent(one, "+") for one in (fitted["E off"].min(), fitted["E off"].max()))
+        off = " to ".join(percent(one, "+") for one in fitted["E off"].agg(["min", "max"]))
         return KINDS[kind], refused, *shares, off, percent(modulus), percent(work), f"{hertz:.2f}"
 
-    head = (
-        "records",
-        "refused",
-        "E held",
-        "w held",
-        "x₀ held",
-        "flagged",
-        "silent",
-        "errors of E",
-        "± E",
-        "± w",
-    )
-    table((*head, "E of Hertz theory / E"), map(cells, KINDS))
+    head = "records, refused, E held, w held, x₀ held, flagged, silent, errors of E, ± E, ± w"
+    table((*head.split(", "), "E of Hertz theory / E"), map(cells, KINDS))

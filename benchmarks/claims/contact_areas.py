@@ -1,7 +1,6 @@
 """Contact areas and semi-axes on three sets of images that share no model with the measurement."""
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -97,9 +96,8 @@ HEAD: Final = (
 def report(count: int = 3, seed: int = 7) -> None:
     """Print errors and coverage of each set, then of each condition."""
     found: dict[str, dict[str, list[Compared]]] = {}
-    for name, some in groupby(image_sets.images(count, seed), key=lambda one: one[0]):
-        for _, condition, image in some:
-            found.setdefault(name, {}).setdefault(condition, []).append(compare(image))
+    for name, condition, image in image_sets.images(count, seed):
+        found.setdefault(name, {}).setdefault(condition, []).append(compare(image))
     found["sharp renders"] = {"sharp renders": [compare(one) for one in sharp(9 * count, seed)]}
     by_set = {name: [one for some in of.values() for one in some] for name, of in found.items()}
     table(("set", *HEAD), (cells(name, some) for name, some in by_set.items()))

@@ -40,25 +40,18 @@ def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: f
     press = render_sequence(loads, radii=(14.3 * size, 13.0 * size), reduced_modulus=0.09, ppi=ppi, seed=1)
     pages = [press.pixels(k) for k in range(rendered)]
     stretched = np.arange(frames) * rendered // frames
+    same, tables = {"scale": {"ppi": ppi}, "frames_per_second": FPS, "synthetic": True}, []
     for number in range(sequences):
-        with tifffile.TiffWriter(folder / f"sequence_{number}.tif") as writer:
+        name = f"sequence_{number}"
+        files = {"name": name, "file": f"{name}.tif", "force": f"force_{number}.csv"}
+        with tifffile.TiffWriter(folder / files["file"]) as writer:
             for page in stretched:
                 writer.write(pages[page], contiguous=False)
         rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
-        (folder / f"force_{number}.csv").write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
+        (folder / files["force"]).write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
+        of = {"finger": f"finger_{number % 5}", "wedge_angle_deg": (15, 45)[number // 5 % 2]}
+        tables.append(same | files | of)
     given = {"semi_axes_mm": AXES, "semi_axes_mm_std": dict.fromkeys(AXES, 0.1), "synthetic": True}
-    same = {"scale": {"ppi": ppi}, "frames_per_second": FPS, "synthetic": True}
-    tables = [
-        {
-            "name": f"sequence_{number}",
-            "finger": f"finger_{number % 5}",
-            "wedge_angle_deg": (15, 45)[number // 5 % 2],
-            "file": f"sequence_{number}.tif",
-            "force": f"force_{number}.csv",
-            **same,
-        }
-        for number in range(sequences)
-    ]
     fingers = [{"name": f"finger_{number}", **given} for number in range(5)]
     study = {"title": "Synthetic sequences", "fingers": fingers, "sequences": tables}
     manifest = folder / "study.toml"

@@ -17,10 +17,9 @@ CONDITIONS: Final = {
 
 def report(count: int = 12, seed: int = 8) -> None:
     """Print errors, coverage and flags of each condition."""
-    found = {
-        f"{name}: {each}": [compare(draw(name, each, number, seed)) for number in range(count)]
+    rows = (
+        cells(f"{name}: {each}", [compare(draw(name, each, k, seed)) for k in range(count)], flags=True)
         for name, conditions in CONDITIONS.items()
         for each in conditions
-    }
-    rows = (cells(name, some, flags=True) for name, some in found.items())
+    )
     table(("condition", *HEAD, "flagged"), rows)

@@ -18,7 +18,6 @@ from benchmarks.claims.loading_truth import Condition, make_curve
 from benchmarks.simulated import PLACED, TABLE_1
 from benchmarks.tables import not_refused, share, table
 from benchmarks.truth.loading_physics import POISSON, Contact, Pad, hertz, layer, pink
-from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.geometry import Ellipsoid, Paraboloid
@@ -36,15 +35,6 @@ class Case:
     radius_relative_std: float = 0.03
     whole: bool = False  # the pad of Table 1, in place of a paraboloid
     lag: float = 0.0  # of the areas, s
-
-    @property
-    def press(self) -> Condition:
-        """What the curve is made of; a half-space where the thickness is infinite."""
-        if self.whole:
-            contact = whole_pad(self.thickness)
-        else:
-            contact = layer(self.thickness) if self.thickness < DEEP else hertz
-        return Condition(contact=contact, spectrum=self.spectrum, lag=self.lag)
 
 
 CASES: Mapping[str, Case] = {
@@ -95,27 +85,24 @@ def fit_once(case: Case, seed: int) -> dict[str, float]:
     table_radius = float(PLACED.curvature.mean_curvature_radius)
     radius = table_radius if case.whole else rng.uniform(10, 20)
     pad, place = Pad(radius=radius, modulus=rng.uniform(0.03, 0.08)), rng.uniform(-2, 2)
-    curve = make_curve(case.press, pad, place, rng)
+    on_bone = whole_pad if case.whole else layer
+    contact = on_bone(case.thickness) if case.whole or case.thickness < DEEP else hertz
+    curve = make_curve(Condition(contact=contact, spectrum=case.spectrum, lag=case.lag), pad, place, rng)
     scale = rng.normal(1, case.radius_relative_std)
     known: AnyPlacement = Paraboloid(scale * radius, scale * radius)
     if case.whole:
         known = replace(PLACED, ellipsoid=Ellipsoid(*(scale * TABLE_1.semi_axes)))
     fit = fit_layer_thickness(curve, placement=known, radius_std=case.radius_relative_std * scale * radius)
     t = fit.thickness
+    pairs = (t, case.thickness), (fit.youngs_modulus, pad.modulus), (fit.contact_offset, place)
+    held = (float(one.lower <= true <= one.upper) if one.known else math.nan for one, true in pairs)
     closed = t.known and t.upper < DEEP > case.thickness
-    return {
-        "t held": _held(t, case.thickness),
-        "E held": _held(fit.youngs_modulus, pad.modulus),
-        "x₀ held": _held(fit.contact_offset, place),
+    return dict(zip(("t held", "E held", "x₀ held"), held, strict=True)) | {
         "width of t over t": (t.upper - t.lower) / case.thickness if closed else math.nan,
         "open above": t.known and t.upper == DEEP,
         "undetermined": not t.known,
         "weight of a layer": fit.layer_weight,
     }
-
-
-def _held(quantity: Estimate, truth: float) -> float:
-    return float(quantity.lower <= truth <= quantity.upper) if quantity.known else math.nan
 
 
 def report(repeats: int = 10, first_seed: int = 90_000) -> None:

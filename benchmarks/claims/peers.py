@@ -217,16 +217,15 @@ def _largest_region(mask: Array, image: IndependentImage) -> Measured:
 
 def pooled() -> None:
     """Print how pooled means of random effects differ from statsmodels' on the same numbers."""
-    random = np.random.default_rng(4)
-    worst = np.zeros(2)
+    random, differences = np.random.default_rng(4), []
     for count in (3, 5, 10, 20):
         std = random.uniform(0.2, 1.0, count)
         values = 14 + 0.6 * random.standard_normal(count) + std * random.standard_normal(count)
         ours = pool_random_effects(values, std)
         theirs = combine_effects(values, std**2, method_re="iterated")
-        frame = theirs.summary_frame()
-        difference = ours.value - frame.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
-        worst = np.maximum(worst, np.abs(difference))
+        mean = theirs.summary_frame().loc["random effect", "eff"]
+        differences.append((ours.value - mean, ours.between_std - np.sqrt(theirs.tau2)))
+    worst = np.abs(differences).max(axis=0)
     head = "pooled means", "largest difference of the mean", "of the deviation between values"
     row = "statsmodels, Paule and Mandel", f"{worst[0]:.1e} mm", f"{worst[1]:.1e} mm"
     table(head, [row], "Means of random effects of 3 to 20 values")

@@ -23,13 +23,12 @@ def report(seed: int = 85, sides: int = 5) -> None:
             ellipse = found.ellipse_radius(angle)
             rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
     rows["all"] = [row for some in rows.values() for row in some]
-    table(
-        ("shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"),
-        (
-            (name, len(some), share(seen), off(e[seen]), stated(e[seen], s[seen]), off(by_ellipse))
-            for name, some in rows.items()
-            for e, s, by_ellipse in [np.array(some).T]
-            for seen in [np.isfinite(e)]
-        ),
-        "Radius of curvature where a wedge touches, in the plane of a side face: outline alone",
-    )
+    cells = []
+    for name, some in rows.items():
+        errors, stds, of_ellipse = np.array(some).T
+        seen = np.isfinite(errors)
+        of_outline = off(errors[seen]), stated(errors[seen], stds[seen])
+        cells.append((name, len(some), share(seen), *of_outline, off(of_ellipse)))
+    head = "shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"
+    title = "Radius of curvature where a wedge touches, in the plane of a side face: outline alone"
+    table(head, cells, title)

@@ -75,7 +75,7 @@ def estimates(count: int, relative_std: float, repeats: int) -> Score:
     return _score(one, repeats, 0, 2)
 
 
-def varying(count: int, relative_std: float, between: float, repeats: int, seed: int = 0) -> Score:
+def varying(count: int, relative_std: float, between: float, repeats: int) -> Score:
     """Score the mean of values that differ by `between` of themselves, and share an error of 1 %."""
 
     def one(random: Rng) -> tuple[float, float, bool]:
@@ -87,7 +87,7 @@ def varying(count: int, relative_std: float, between: float, repeats: int, seed:
         low, high = found.interval
         return found.value - RADIUS, found.total_std, low <= RADIUS <= high
 
-    return _score(one, repeats, seed, 3)
+    return _score(one, repeats, 0, 3)
 
 
 def people(count: int, relative_std: float, repeats: int, *, fingers_as_people: bool = False) -> Score:

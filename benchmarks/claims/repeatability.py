@@ -170,24 +170,14 @@ FEW: tuple[tuple[str, Population, Design], ...] = (
 
 def report(studies: int = 1000, chains: int = 150) -> None:
     """Print the coverage of intervals of standard deviations, of the ICC, and of means at each load."""
-    _print_table(
-        f"Standard deviations and intraclass correlation, {studies} simulated studies each",
-        ("repeat", "session", "finger", "person", "icc"),
-        [(name, component_coverage(of, design, studies)) for name, of, design in CONDITIONS],
-    )
-    _print_table(
-        f"Area and modulus at each load, {chains} studies each",
-        ("area", "modulus"),
-        [(name, mean_coverage(of, design, chains)) for name, of, design in MEANS],
-    )
-    _print_table(
-        f"Area of one finger at each load, {chains} studies each",
-        ("area",),
-        [(name, mean_coverage(of, design, chains)) for name, of, design in FEW],
-    )
-
-
-def _print_table(title: str, names: tuple[str, ...], rows: list[tuple[str, Held]]) -> None:
-    rows.append(("in all", {name: [one for _, found in rows for one in found[name]] for name in names}))
-    cells = ((of, *(share(found[name], 1) for name in names)) for of, found in rows)
-    table(("design", *names), cells, title)
+    levels, few = ("repeat", "session", "finger", "person", "icc"), f"{chains} studies each"
+    components = f"Standard deviations and intraclass correlation, {studies} simulated studies each"
+    for title, names, coverage, count, conditions in (
+        (components, levels, component_coverage, studies, CONDITIONS),
+        (f"Area and modulus at each load, {few}", ("area", "modulus"), mean_coverage, chains, MEANS),
+        (f"Area of one finger at each load, {few}", ("area",), mean_coverage, chains, FEW),
+    ):
+        rows = {name: coverage(population, design, count) for name, population, design in conditions}
+        rows["in all"] = {name: [one for found in rows.values() for one in found[name]] for name in names}
+        cells = ((name, *(share(found[of], 1) for of in names)) for name, found in rows.items())
+        table(("design", *names), cells, title)

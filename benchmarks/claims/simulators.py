@@ -9,7 +9,7 @@ overlap.
 import tempfile
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import mujoco
 import numpy as np
@@ -27,27 +27,18 @@ _CELLS: Final = 601
 _SECONDS: Final = 4.0
 
 
-class Pad(NamedTuple):
-    """Tissue, and the range of loads."""
-
-    tissue: Tissue
-    loads: tuple[float, float]
-    words: str
-
-
+# Tissue, and the range of loads.
 PADS: Final = {
-    "soft, deep": Pad(Tissue(0.06), (0.1, 1.5), "E = 60 kPa, no bone"),
-    "usual": Pad(Tissue(0.05, thickness=8.0), (0.2, 3.0), "E = 50 kPa, 8 mm on bone"),
-    "stiff, thin": Pad(Tissue(0.15, 0.48, 4.0), (0.2, 3.0), "E = 150 kPa, ν = 0.48, 4 mm on bone"),
+    "soft, deep: E = 60 kPa, no bone": (Tissue(0.06), (0.1, 1.5)),
+    "usual: E = 50 kPa, 8 mm on bone": (Tissue(0.05, thickness=8.0), (0.2, 3.0)),
+    "stiff, thin: E = 150 kPa, ν = 0.48, 4 mm on bone": (Tissue(0.15, 0.48, 4.0), (0.2, 3.0)),
 }
 
 
-def errors_of(pad: Pad) -> tuple[list[float], float]:
+def errors_of(tissue: Tissue, law: SimulatorLaw, loads: Array) -> tuple[list[float], float]:
     """Return the largest error of each simulator, and the factor of an overlap's area furthest from 1."""
-    law = simulator_law(PLACED, pad.tissue, pad.loads)
-    loads = np.geomspace(*pad.loads, _LOADS)
     indentation = np.interp(loads, law.load, law.indentation)
-    solved = [solve_contact(PLACED, pad.tissue, indentation=depth) for depth in indentation]
+    solved = [solve_contact(PLACED, tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
     kh, pressures = law.newton_kh().kh, law.pressure_by_depth()
     found = []
@@ -60,7 +51,7 @@ def errors_of(pad: Pad) -> tuple[list[float], float]:
         export_finger(law, Path(folder), effective_mass=MASS)
         drake = _drake(law, Path(folder), indentation)
         rested = _mujoco(Path(folder), loads)
-    held = np.array([float(solve_contact(PLACED, pad.tissue, indentation=depth).load) for depth in rested])
+    held = np.array([float(solve_contact(PLACED, tissue, indentation=depth).load) for depth in rested])
     pairs = (foundation, load), (newton, load), (drake, load), (loads, held)
     factor = overlap / area
     errors = [float(np.abs(one / other - 1).max()) for one, other in pairs]
@@ -122,13 +113,14 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: Array) -> Array:
 def report() -> None:
     """Print the table of errors, as it stands in the documentation."""
     rows = []
-    for name, pad in PADS.items():
-        (low, high), (errors, factor) = pad.loads, errors_of(pad)
+    for name, (tissue, (low, high)) in PADS.items():
+        law = simulator_law(PLACED, tissue, (low, high))
+        errors, factor = errors_of(tissue, law, np.geomspace(low, high, _LOADS))
         elements = "no bone"
-        if not pad.tissue.is_deep:
-            ratio = simulator_law(PLACED, pad.tissue, pad.loads).finite_elements().load_ratio
+        if not tissue.is_deep:
+            ratio = law.finite_elements().load_ratio
             elements = f"× {ratio[0]:.2f} to {ratio[-1]:.2f}"
-        words = f"{name}: {pad.words}, {low:g}–{high:g} N"
+        words = f"{name}, {low:g}–{high:g} N"
         rows.append((words, *map(percent, errors), f"× {factor:.2f}", elements))
     table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), rows)
     try:

@@ -1,7 +1,6 @@
 """R_g of Dzidek et al. (2017) by one layer of tissue on bone: its thickness, and what follows from it."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,30 +15,18 @@ _SOURCE = dzidek2017()
 WEDGES = _SOURCE.wedges
 
 
-class Loading(NamedTuple):
-    """What pressing pads up to a contact area shows; NaN beyond the range of the laws.
+def loading_of(placement: Placement, tissue: Tissue, area: Array) -> tuple[Array, Array, Array, Array]:
+    """Fit 64 evenly spaced loads up to the one that gives the area; NaN beyond the range of the laws.
 
-    Slopes of A against πξ with an intercept and without; n of A ∝ W^n and m of W ∝ ξ^m.
+    Returned are slopes of A against πξ with an intercept and without, n of A ∝ W^n and m of W ∝ ξ^m.
     """
-
-    slope: Array
-    slope_through_origin: Array
-    area_exponent: Array
-    load_exponent: Array
-
-
-def loading_of(placement: Placement, tissue: Tissue, area: Array) -> Loading:
-    """Fit 64 evenly spaced loads up to the one that gives the area."""
     highest = fast_contact(placement, tissue, area=area).load
     loads = np.multiply.outer(np.linspace(0, 1, 65)[1:], highest)
     contact = fast_contact(placement, tissue, load=loads)
     x, y = np.pi * contact.indentation, contact.area
-    return Loading(
-        slope=_slope(x, y),
-        slope_through_origin=np.sum(x * y, axis=0) / np.sum(x * x, axis=0),
-        area_exponent=_slope(np.log(loads), np.log(y)),
-        load_exponent=_slope(np.log(x), np.log(loads)),
-    )
+    through_origin = np.sum(x * y, axis=0) / np.sum(x * x, axis=0)
+    log_load, log_x, log_y = np.log(loads), np.log(x), np.log(y)
+    return _slope(x, y), through_origin, _slope(log_load, log_y), _slope(log_x, log_load)
 
 
 def _slope(x: Array, y: Array) -> Array:
@@ -51,8 +38,8 @@ def _slope(x: Array, y: Array) -> Array:
 # How R_g is read from a placement, tissue and contact area.
 READINGS: dict[str, Callable[[Placement, Tissue, Array], Array]] = {
     "ratio": lambda pad, tissue, area: fast_contact(pad, tissue, area=area).area_over_pi_indentation,
-    "slope": lambda *pressed: loading_of(*pressed).slope,
-    "slope_through_origin": lambda *pressed: loading_of(*pressed).slope_through_origin,
+    "slope": lambda *pressed: loading_of(*pressed)[0],
+    "slope_through_origin": lambda *pressed: loading_of(*pressed)[1],
 }
 
 
@@ -87,11 +74,10 @@ def consequences() -> None:
         for angle, wedge in WEDGES.items():
             place, area = placed("ellipse", wedge), np.array(wedge.area_mm2.value)
             contact = fast_contact(place, Tissue.of_reduced_modulus(1.0, thickness=thickness), area=area)
-            loading = loading_of(place, Tissue(1.0, thickness=thickness), area)
+            *slopes, n, m = loading_of(place, Tissue(1.0, thickness=thickness), area)
             ratio = float(contact.aspect_ratio if contact.along else 1 / contact.aspect_ratio)
-            radii = contact.area_over_pi_indentation, loading.slope, loading.slope_through_origin
-            cells = [", ".join(f"{one:.1f}" for one in radii), f"{1e3 * wedge.load_N / contact.load:.0f}"]
-            cells += [f"{loading.area_exponent:.2f}, {loading.load_exponent:.2f}", f"{ratio:.2f}"]
+            radii = ", ".join(f"{one:.1f}" for one in (contact.area_over_pi_indentation, *slopes))
+            cells = radii, f"{1e3 * wedge.load_N / contact.load:.0f}", f"{n:.2f}, {m:.2f}", f"{ratio:.2f}"
             late = ", ".join(f"{one:.1f}" for one in _with_other_depth(place, wedge))
             rows.append((f"{name}, {angle}°", *cells, late))
     head = "tissue", "R_g as ratio, slope, slope through origin (mm)", "E* (kPa)", "n of A ∝ Wⁿ, m of W ∝ ξᵐ"

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -59,14 +59,6 @@ class Truth:
     stated_thickness: float | None = None  # what the manifest says of the effective thickness, mm
 
 
-class Pressed(NamedTuple):
-    """Contact area, elongation ln(along/across) and indentation."""
-
-    area: float
-    elongation: float
-    indentation: float
-
-
 CASES: Final = {
     "Hertz theory": Truth(),
     "Hertz theory, with curve": Truth(with_curve=True),
@@ -95,12 +87,14 @@ def principal_radii(axes: Array, wedge: float) -> tuple[float, float]:
     return float(S**1.5 / (a * b)), float(c**2 * np.sqrt(S) / (a * b))
 
 
-def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
-    """Press the pad: Johnson (4.25)–(4.29), on a layer by its ratios, then as the case has it."""
-    along, across = (truth.curvature * radius for radius in radii)
-    ratio, R = max(along, across) / min(along, across), np.sqrt(along * across)
+def press(truth: Truth, radii: tuple[float, float], load: float) -> tuple[float, float, float]:
+    """Press the pad: Johnson (4.25)–(4.29), on a layer by its ratios, then as the case has it.
 
-    k, F1, F2 = hertz_ellipse(ratio)
+    Returned are contact area, elongation ln(along/across) and indentation.
+    """
+    along, across = (truth.curvature * radius for radius in radii)
+    R = np.sqrt(along * across)
+    k, F1, F2 = hertz_ellipse(max(along, across) / min(along, across))
 
     def surplus(c: float) -> float:
         hertz = 4 * truth.modulus * (c / F1) ** 3 / (3 * R)
@@ -115,31 +109,23 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
         area *= (truth.falls_above / load) ** 0.9
     direction = 1 if along > across else -1
     elongation = direction * -np.log(k) if truth.elongation is None else truth.elongation
-    return Pressed(float(area), float(elongation), float(indentation))
+    return float(area), float(elongation), float(indentation)
 
 
-class Measured(NamedTuple):
-    """A study of one finger under one wedge, its contacts, and the true radii of curvature."""
+def measured(truth: Truth, rng: Rng) -> tuple[Study, FingerResult, float, Rows, tuple[float, float]]:
+    """Measure contacts of a pad with errors of every input.
 
-    study: Study
-    pad: FingerResult
-    wedge: float
-    rows: Rows
-    radii: tuple[float, float]
-
-
-def measured(truth: Truth, rng: Rng) -> Measured:
-    """Measure contacts of a pad with errors of every input."""
+    Returned are the study, its finger, the stated wedge angle, its contacts, and the true radii of curvature.
+    """
     # Pads with the place of contact longer across the finger, as fingers have it.
     axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
-    true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
-    radii = principal_radii(axes, true_wedge)
+    radii = principal_radii(axes, np.radians(wedge + rng.normal(0, WEDGE_STD)))
     study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
     t = truth.stated_thickness
     thickness: dict[str, Any] = {"effective_thickness_mm": t, "effective_thickness_mm_std": t and 0.1 * t}
     pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
     rows = Rows(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
-    return Measured(study, pad, wedge, rows, radii)
+    return study, pad, wedge, rows, radii
 
 
 def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, dict[str, float]]:
@@ -149,16 +135,16 @@ def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, di
     summaries = pool_contacts(rows)
     curve = _curve(truth, radii, wedge, pad.semi_axes, rng=rng, folder=folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
-    highest = press(truth, radii, truth.loads[-1])
-    radius = highest.area / (np.pi * highest.indentation)  # the sphere of the true area and indentation
-    return validity, {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
+    area, _, indentation = press(truth, radii, truth.loads[-1])
+    radius = area / (np.pi * indentation)  # the sphere of the true area and indentation
+    return validity, {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: indentation}
 
 
 def _contacts(truth: Truth, radii: tuple[float, float], wedge: float, rng: Rng) -> Iterator[Seen]:
     scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
     for number, load in enumerate(truth.loads):
-        pressed = press(truth, radii, load)
-        c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
+        area, elongation, _ = press(truth, radii, load)
+        c, half = np.sqrt(area / np.pi), np.exp(elongation / 2)
         if truth.press_std:
             c *= np.exp(rng.normal(0, truth.press_std) / 2)
         sides = scale * (np.array([c * half, c / half]) + edge) + rng.normal(0, NOISE_STD, 2)
@@ -181,19 +167,17 @@ def _curve(
 ) -> CurveResult:
     """Return the finger's loading data: R_g with its uncertainty, or a fitted record."""
     if not truth.with_curve:
-        highest = press(truth, radii, LOADS[-1])
-        radius = highest.area / (np.pi * highest.indentation) * (1 + rng.normal(0, LOADING_STD))
+        area, _, indentation = press(truth, radii, LOADS[-1])
+        radius = area / (np.pi * indentation) * (1 + rng.normal(0, LOADING_STD))
         std = LOADING_STD * radius
         curve = Curve(finger="f", wedge_angle_deg=wedge, loading_radius_mm=radius, loading_radius_mm_std=std)
         return CurveResult(manifest=curve, loading_radius=radius, loading_radius_std=std)
     loads = 1.05 * np.linspace(0, 1, 81)[1:] ** 1.5
-    pressed = [press(truth, radii, load) for load in loads]
-    before = np.zeros(20)
-    force = np.concatenate([before, loads]) + rng.normal(0, 0.003, 100)
-    depth = np.concatenate([np.linspace(0, 0.38, 20), [0.4 + one.indentation for one in pressed]])
-    area = np.concatenate([before, [one.area for one in pressed]]) + rng.normal(0, 0.3, 100)
-    depth = depth + rng.normal(0, 0.002, 100)
-    record = np.column_stack([np.arange(100) * 0.02, force, depth, np.maximum(area, 0)])
+    areas, _, indentations = np.transpose([press(truth, radii, load) for load in loads])
+    force = np.append(np.zeros(20), loads) + rng.normal(0, 0.003, 100)
+    areas = np.append(np.zeros(20), areas) + rng.normal(0, 0.3, 100)
+    depth = np.append(np.linspace(0, 0.38, 20), 0.4 + indentations) + rng.normal(0, 0.002, 100)
+    record = np.column_stack([np.arange(100) * 0.02, force, depth, np.maximum(areas, 0)])
     names = ["time_s", "force_N", "displacement_mm", *(["area_mm2"] if truth.with_areas else [])]
     columns = record[:, : len(names)]
     np.savetxt(folder / "curve.csv", columns, delimiter=",", header=",".join(names), comments="")

@@ -1,7 +1,7 @@
 """What moves the edge of a coin, on photographs of coins and washers traced by rays."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 from unittest.mock import patch
 
 import numpy as np
@@ -16,11 +16,8 @@ from fingerpad.image.coin import COIN_EDGE
 _NEAR = 0.1  # another circle was found: nothing is learned of the edge
 
 
-class Seen(NamedTuple):
-    """What `coin._coin` is given, and the true radius, px."""
-
-    found: tuple[Any, ...]
-    radius: float
+# What `coin._coin` is given, and the true radius, px.
+Seen: TypeAlias = tuple[tuple[Any, ...], float]
 
 
 def sample(count: int, seed: int) -> list[Seen]:
@@ -32,25 +29,17 @@ def sample(count: int, seed: int) -> list[Seen]:
             with patch.object(coin_module, "_coin", lambda *given: given):
                 found: Any = or_none(measure_coin, photograph.pixels)
             if found and abs(coin_module._coin(*found).semi_major / photograph.semi_major - 1) < _NEAR:
-                coins.append(Seen(found, photograph.semi_major))
+                coins.append((found, photograph.semi_major))
     return coins
 
 
 def compare(model: Any, coins: Sequence[Seen]) -> Compared:
     """State the uncertainty of each radius."""
     with patch.object(coin_module, "COIN_EDGE", model):
-        found = [coin_module._coin(*one.found) for one in coins]
-    true = np.array([one.radius for one in coins])
-    sizes, stds = np.array([(one.semi_major, one.semi_major_std) for one in found]).T
-    return Compared(sizes / true - 1, stds / true)
+        found = [(coin_module._coin(*given), true) for given, true in coins]
+    rows = [(one.semi_major / true - 1, one.semi_major_std / true) for one, true in found]
+    return Compared(*np.transpose(rows))
 
 
-PROBLEMS = (
-    Problem(
-        model=COIN_EDGE,
-        of="error of the radius, as a share",
-        stds=("lens_px", "rounding", "shadow", "band"),
-        sample=sample,
-        compare=compare,
-    ),
-)
+_EFFECTS = "lens_px", "rounding", "shadow", "band"
+PROBLEMS = (Problem(COIN_EDGE, "error of the radius, as a share", sample, compare, stds=_EFFECTS),)

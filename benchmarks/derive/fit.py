@@ -6,6 +6,7 @@ import pkgutil
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,18 +29,18 @@ class Compared(NamedTuple):
     stds: Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Problem:
     """A calibrated model, and the images that its numbers are fitted to."""
 
     model: Any  # with the values in use
     of: str  # what the errors are, with their unit
+    sample: Callable[[int, int], Sequence[Any]]  # of so many images of each condition, and a seed
+    compare: Callable[[Any, Sequence[Any]], Compared]  # of a sample under a model
     places: tuple[str, ...] = ()  # fields that move the result, by least squares of the errors
     tuned: tuple[str, ...] = ()  # fields by likelihood, whatever they change
     stds: tuple[str, ...] = ()  # standard deviations of effects, which change only what is stated
     kept: Mapping[str, str] = field(default_factory=dict)  # why each other field is not fitted
-    sample: Callable[[int, int], Sequence[Any]]  # of so many images of each condition, and a seed
-    compare: Callable[[Any, Sequence[Any]], Compared]  # of a sample under a model
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,10 +67,12 @@ def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
     model, error = problem.model, dict[str, float]()
     rng = np.random.default_rng(seed)
     ways = (problem.places, _least_squares), (problem.tuned, _scoring), (problem.stds, _likelihood)
-    for names_of, method in ways:
-        if names_of:
-            model, spread = method(problem, model, sample, names_of, rng)
-            error |= dict(zip(names_of, spread.tolist(), strict=True))
+    for fields, method in ways:
+        if fields:
+            start = np.array([getattr(model, each) for each in fields], dtype=np.float64)
+            values, spread = method(partial(_compared, problem, sample, model, fields), start, rng)
+            model = changed(model, fields, values)
+            error |= dict(zip(fields, spread.tolist(), strict=True))
     return Fitted(model=model, error=error)
 
 
@@ -78,22 +81,26 @@ def changed(model: Any, fields: tuple[str, ...], values: Array) -> Any:
     return replace(model, **dict(zip(fields, values.tolist(), strict=True)))
 
 
-def _least_squares(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: Rng
-) -> tuple[Any, Array]:
-    """Move fields until the errors are least, outliers weighted down.
+def _compared(
+    problem: Problem, sample: Sequence[Any], model: Any, fields: tuple[str, ...], values: Array
+) -> Compared:
+    return problem.compare(changed(model, fields, values), sample)
+
+
+def _least_squares(compared: Callable[[Array], Compared], start: Array, rng: Rng) -> tuple[Array, Array]:
+    """Move values until the errors are least, outliers weighted down; return also the values' errors.
 
     Pixels are counted: steps of a tenth of a value show the slope, where tiny ones show none.
     """
-    start, size, bounds = _scaled(model, fields)
+    size, lowest = _scaled(start)
 
     def errors_of(at: Array) -> Array:
-        return problem.compare(changed(model, fields, start + (at - 1) * size), sample).errors
+        return compared(start + (at - 1) * size).errors
 
-    at = np.ones(len(fields))
+    at = np.ones(len(start))
     spread = 1.4826 * float(np.median(np.abs(errors_of(at)))) + 1e-12
     at = least_squares(
-        errors_of, at, bounds=(bounds, np.inf), diff_step=_STEP, loss="huber", f_scale=_OUTLIER * spread,
+        errors_of, at, bounds=(lowest, np.inf), diff_step=_STEP, loss="huber", f_scale=_OUTLIER * spread,
         ftol=1e-3, max_nfev=_ROUNDS,
     ).x  # fmt: skip
     errors = errors_of(at)
@@ -102,14 +109,13 @@ def _least_squares(
     slope, errors = slope * weight[:, None], errors * weight
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
     moved = [np.linalg.lstsq(slope[each], -errors[each], rcond=1e-6)[0] for each in draws]
-    return changed(model, fields, start + (at - 1) * size), np.std(moved, axis=0) * size
+    return start + (at - 1) * size, np.std(moved, axis=0) * size
 
 
-def _scaled(model: Any, fields: tuple[str, ...]) -> tuple[Array, Array, Array]:
-    """Return values, the unit of a change of each, and how low each may go from 1 in these units."""
-    values = np.array([getattr(model, each) for each in fields], dtype=np.float64)
-    size = np.maximum(np.abs(values), 0.05)
-    return values, size, np.where(values > 0, 1 - values / size, -np.inf)
+def _scaled(start: Array) -> tuple[Array, Array]:
+    """Return the unit of a change of each value, and how low each may go from 1 in these units."""
+    size = np.maximum(np.abs(start), 0.05)
+    return size, np.where(start > 0, 1 - start / size, -np.inf)
 
 
 def _costs(errors: Array, variance: Array) -> Array:
@@ -121,40 +127,32 @@ def _costs(errors: Array, variance: Array) -> Array:
     return np.log(variance) / 2 + 2.5 * np.log1p(errors**2 / variance / _T_SCALE**2 / 4)
 
 
-def _scoring(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], _: Rng
-) -> tuple[Any, Array]:
-    """Move fields until the errors are likeliest; the scores of single errors give those of the values."""
-    start, size, bounds = _scaled(model, fields)
+def _scoring(compared: Callable[[Array], Compared], start: Array, _: Rng) -> tuple[Array, Array]:
+    """Move values until the errors are likeliest; the scores of single errors give those of the values."""
+    size, lowest = _scaled(start)
 
     def costs_at(at: Array) -> Array:
-        errors, stds = problem.compare(changed(model, fields, start + (at - 1) * size), sample)
+        errors, stds = compared(start + (at - 1) * size)
         return _costs(errors, stds**2)
 
     at = minimize(
-        lambda at: costs_at(at).sum(), np.ones(len(fields)), method="L-BFGS-B", jac="3-point",
-        bounds=[(low, None) for low in bounds],
+        lambda at: costs_at(at).sum(), np.ones(len(start)), method="L-BFGS-B", jac="3-point",
+        bounds=[(low, None) for low in lowest],
         options={"finite_diff_rel_step": _SMALL_STEP, "maxiter": _CLIMBS, "ftol": 1e-4},
     ).x  # fmt: skip
     slopes = [costs_at(at + step) - costs_at(at - step) for step in _SMALL_STEP * np.eye(len(at))]
     scores = np.stack(slopes, axis=1) / (2 * _SMALL_STEP)
     inverse = np.linalg.pinv(scores.T @ scores, rcond=1e-6, hermitian=True)
-    return changed(model, fields, start + (at - 1) * size), np.sqrt(np.diagonal(inverse)) * size
+    return start + (at - 1) * size, np.sqrt(np.diagonal(inverse)) * size
 
 
-def _likelihood(
-    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: Rng
-) -> tuple[Any, Array]:
+def _likelihood(compared: Callable[[Array], Compared], start: Array, rng: Rng) -> tuple[Array, Array]:
     """Find the standard deviations, none below 0, under which the errors are likeliest.
 
     They are of independent effects: the variance stated is linear in the square of each.
     """
-    start, size, _ = _scaled(model, fields)
-    errors, _ = problem.compare(model, sample)
-    zeros = np.zeros(len(fields))
-    rest, *alone = (
-        problem.compare(changed(model, fields, at), sample).stds ** 2 for at in (zeros, *np.diag(size))
-    )
+    (size, _), errors = _scaled(start), compared(start).errors
+    rest, *alone = (compared(at).stds ** 2 for at in (np.zeros(len(start)), *np.diag(size)))
     effects = np.stack([each - rest for each in alone], axis=1)
 
     def found(chosen: Array) -> Array:
@@ -165,8 +163,7 @@ def _likelihood(
         return best.x * size
 
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
-    values = found(np.arange(len(errors)))
-    return changed(model, fields, values), np.std([found(each) for each in draws], axis=0)
+    return found(np.arange(len(errors))), np.std([found(each) for each in draws], axis=0)
 
 
 def show(problem: Problem, images: int, seed: int, other: int) -> Fitted:

@@ -5,7 +5,6 @@ of thick layers and the limits of thin ones are known; least squares find the re
 """
 
 import textwrap
-from dataclasses import dataclass
 from pathlib import Path
 from unittest.mock import patch
 
@@ -20,7 +19,6 @@ from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
-from fingerpad.geometry import Gap
 
 _SERIES = 5  # coefficients of a layer's series that are known
 _ROUNDS = 15  # of weighting, towards the least largest error
@@ -28,53 +26,28 @@ SCALE = 1.75
 _SLENDER = 1 - np.linspace(1e-4, 0.54, 40)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Solved:
-    """Solved contacts, over Hertz theory's of the same area."""
+    """Kept contacts; load, indentation and peak pressure are over those of Hertz theory of the same area."""
 
-    k: Array
-    radius: Array
-    elongation: Array
-    load: Array
-    indentation: Array
-    peak: Array
-    ratio: Array
-    size: Array
-    poisson_ratio: Array
-    gap: Gap
-
-    @property
-    def slenderness(self) -> Array:
-        """(1 − k)²/k."""
-        return (1 - self.k) ** 2 / self.k
-
-
-def solved(rows: Array, *, is_pad: bool) -> Solved:
-    """Compare kept contacts with Hertz theory."""
-    placement, tissue = kept_contacts(rows, is_pad=is_pad)
-    load, area, indentation, ratio, peak = rows[:, -5:].T
-    area = area / AREA_BIAS
-    gap, hertz = plate_gap(placement), hertz_contact(placement, Tissue.of_reduced_modulus(1.0), area=area)
-    radius, k = np.sqrt(area / np.pi), 1 / hertz.aspect_ratio
-    return Solved(
-        k=k,
-        radius=radius,
-        elongation=np.where(gap.first_radius > gap.second_radius, 0.5, -0.5) * (1 / k - k),
-        load=load / hertz.load,
-        indentation=indentation / hertz.indentation,
-        peak=peak * area / (1.5 * load),
-        ratio=ratio,
-        size=radius / tissue.thickness,
-        poisson_ratio=tissue.poisson_ratio,
-        gap=gap,
-    )
+    def __init__(self, rows: Array, *, is_pad: bool) -> None:
+        placement, tissue = kept_contacts(rows, is_pad=is_pad)
+        load, area, indentation, ratio, peak = rows[:, -5:].T
+        area = area / AREA_BIAS
+        hertz = hertz_contact(placement, Tissue.of_reduced_modulus(1.0), area=area)
+        self.gap, self.radius, self.k = plate_gap(placement), np.sqrt(area / np.pi), 1 / hertz.aspect_ratio
+        self.size, self.poisson_ratio = self.radius / tissue.thickness, tissue.poisson_ratio
+        self.load, self.indentation = load / hertz.load, indentation / hertz.indentation
+        self.peak, self.ratio, self.length = peak * area / (1.5 * load), ratio, (1 / ratio - ratio) / 2
+        self.slenderness = (1 - self.k) ** 2 / self.k
+        along = np.where(self.gap.first_radius > self.gap.second_radius, 0.5, -0.5)
+        self.elongation = along * (1 / self.k - self.k)
 
 
 def pads(rows: Array) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
     k, _, _ = solve_contact_ellipse(*kept_pads(rows).curvature.principal_radii)
     size = np.sqrt(rows[:, 8] / np.pi) / rows[:, 5]
-    return solved(rows[(size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))], is_pad=True)
+    return Solved(rows[(size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))], is_pad=True)
 
 
 def circles() -> tuple[Array, ...]:
@@ -186,7 +159,7 @@ def fit_layer(slender: Solved) -> None:
     columns = np.concatenate([(u ** (5 + j) * basis).T for j in range(4)], axis=1)
     law.LAYER_PEAK = least_largest(columns, peak - 1, weight / peak).reshape(4, 9)
     slim = slender.k < 0.95
-    ratio = (1 / slender.ratio - slender.ratio)[slim] / 2 / np.abs(slender.elongation[slim])
+    ratio = slender.length[slim] / np.abs(slender.elongation[slim])
     basis, u = layer_basis(slender.poisson_ratio[slim], slender.slenderness[slim]), u[size.size :][slim]
     columns = np.concatenate([(u ** (3 + j) * basis).T for j in range(4)], axis=1)
     law.LAYER_SHAPE = least_largest(columns, ratio - 1, np.abs(slender.elongation[slim])).reshape(4, 9)
@@ -236,8 +209,7 @@ def fit_pads(found: Solved) -> None:
     law.PAD_SHAPE = np.zeros(13)
     for _ in range(40):
         along, turned = e + columns @ law.PAD_SHAPE, law.PAD_SHAPE[0] * cross
-        length = (1 / found.ratio - found.ratio) / 2
-        target = np.sign(along) * np.sqrt(np.maximum(length**2 - turned**2, 0)) - e
+        target = np.sign(along) * np.sqrt(np.maximum(found.length**2 - turned**2, 0)) - e
         law.PAD_SHAPE = np.linalg.lstsq(columns, target, rcond=None)[0]
 
 
@@ -257,13 +229,12 @@ def fit_both(found: Solved) -> None:
     for of, target in (("load", found.load), ("indentation", found.indentation)):
         rest = np.log(target / layer.value(of, x)) - pad.value(of, found.radius, None)
         law.BOTH[of] = least_largest(products, rest, one).reshape(3, 5)
-    length = (1 / found.ratio - found.ratio) / 2
     flat = e * layer.roundness(x)
     columns = np.stack([e * w * u, e * w * u * u, e * p * u, e * p * u * u, m * u, m * u * u], axis=1)
     for _ in range(20):
         along, turned = pad.elongations(found.radius, u, flat)
         bare, _ = pad.elongations(found.radius, None, flat)
-        target = np.sign(along) * np.sqrt(np.maximum(length**2 - turned**2, 0)) - bare
+        target = np.sign(along) * np.sqrt(np.maximum(found.length**2 - turned**2, 0)) - bare
         law.BOTH_SHAPE = np.linalg.lstsq(columns, target, rcond=None)[0]
     rest = found.peak / layer.peak(x) - pad.peak(found.radius, None)
     law.BOTH_PEAK = least_largest(products, rest, one).reshape(3, 5)
@@ -336,7 +307,7 @@ def coefficients() -> dict[str, Array]:
 def fit_all() -> None:
     """Fit all coefficients, and put them in place of those in use."""
     kept = np.load(KEPT)
-    fit_layer(solved(kept["elliptical"], is_pad=False))
+    fit_layer(Solved(kept["elliptical"], is_pad=False))
     fit_pads(pads(kept["pads"]))
     fit_both(pads(kept["layered"]))
     fit_guesses()

@@ -6,7 +6,7 @@ put in the middle of the values that err least, a letter missed and a print take
 
 from dataclasses import fields
 from itertools import product
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, TypeAlias
 from unittest.mock import patch
 
 import cv2
@@ -30,11 +30,8 @@ _HEIGHT_MM: Final = (1.7, 2.5)  # of letters on forms
 _STROKE: Final = 0.16  # of the height
 
 
-class Seen(NamedTuple):
-    """What `ridges._has_print` is given, and whether there are letters."""
-
-    given: tuple[Any, ...]
-    letters: bool
+# What `ridges._has_print` is given, and whether there are letters.
+Seen: TypeAlias = tuple[tuple[Any, ...], bool]
 
 
 def _with_text(pixels: Array, mm_per_px: float, rng: Rng) -> Array:
@@ -66,14 +63,14 @@ def sample(count: int, seed: int) -> list[Seen]:
             continue
         with patch.object(ridges, "_has_print", lambda *given: given):
             given: Any = ridges.ridge_map(view, edge.points, None).has_print
-        found.append(Seen(given, letters))
+        found.append((given, letters))
     return found
 
 
 def errors(model: PrintedMarks, seen: list[Seen]) -> tuple[float, float]:
     """Return the share of images whose letters are missed, and of those where ridges pass for letters."""
     with patch.object(ridges, "PRINTED_MARKS", model):
-        wrong = [[ridges._has_print(*one.given) != one.letters, one.letters] for one in seen]
+        wrong = [[ridges._has_print(*given) != letters, letters] for given, letters in seen]
     off, letters = np.array(wrong).T
     return float(off[letters].mean()), float(off[~letters].mean())
 
@@ -102,9 +99,7 @@ def show(count: int, seed: int, other: int) -> None:
         print(f"    {name:<10} {used!s:>12} {value:>8.3g}   {least:<6.3g} to {most:<6.3g}  {comments[name]}")
     unseen = sample(count, other)
     print(f"    on {len(unseen)} images of seed {other}:")
-    models = {"in the code": MODEL}
-    for name, (value, _, _) in found.items():
-        models[f"{name} fitted"] = changed(MODEL, (name,), np.array([value]))
-    for words, model in models.items():
+    models = {f"{name} fitted": changed(MODEL, (name,), np.array([one[0]])) for name, one in found.items()}
+    for words, model in {"in the code": MODEL, **models}.items():
         missed, taken = errors(model, unseen)
         print(f"    {words:<18} letters missed {missed:.1%}, ridges taken for letters {taken:.1%}")

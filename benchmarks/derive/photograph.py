@@ -123,43 +123,27 @@ def compare_radii(model: Any, seen: Sequence[SeenRadius]) -> Compared:
 
 
 _OF_SEMI_AXES = "error of the semi-axes, as a share"
-_FLAGGED = "choice: what is flagged"
-_LOOKED_AT = "choice: where the outline is looked at"
+_FLAGGED, _SEEN = "choice: what is flagged", "choice: where the outline is looked at"
 _LENGTHS = (
     "side_across_std", "side_along_std", "front_across_std", "front_along_std", "side_axis_std", "shaft",
     "hidden", "height_by_width", "of_tilt_std",
 )  # fmt: skip
+_OF_LENGTHS = {"no_ellipse": _FLAGGED, "window": _SEEN, "seen": _SEEN}
+_OF_DOUBT = dict.fromkeys(("least_px", "far", "most_alike"), "choice: how points count") | {
+    "significant": _FLAGGED,
+    "least_significant": _FLAGGED,
+    "edge_std": "rms of 56 axes of fingertips ray-traced in 14 skins, backdrops and lights: 0.42",
+}
 PROBLEMS = (
     Problem(
-        model=RADIUS,
-        of="error of the radius, as a share",
-        places=("window",),
-        stds=("missed_std", "axis_std"),
-        kept=dict.fromkeys(("degree", "seen"), _LOOKED_AT),
-        sample=radii,
-        compare=compare_radii,
+        RADIUS, "error of the radius, as a share", radii, compare_radii,
+        places=("window",), stds=("missed_std", "axis_std"), kept=dict.fromkeys(("degree", "seen"), _SEEN),
     ),
     Problem(
-        model=LENGTHS,
-        of=_OF_SEMI_AXES,
-        tuned=_LENGTHS,
-        stds=("added",),
-        kept={"no_ellipse": _FLAGGED, "window": _LOOKED_AT, "seen": _LOOKED_AT},
-        sample=faces,
-        compare=compare_lengths,
+        LENGTHS, _OF_SEMI_AXES, faces, compare_lengths, tuned=_LENGTHS, stds=("added",), kept=_OF_LENGTHS
     ),
     Problem(
-        model=DOUBT,
-        of=_OF_SEMI_AXES,
+        DOUBT, _OF_SEMI_AXES, faces, compare_shapes, kept=_OF_DOUBT, stds=("widening", "floor", "rough_std"),
         tuned=("exponent_std", "quadrant_std", "log_odds", "width_std"),
-        stds=("widening", "floor", "rough_std"),
-        kept={
-            "significant": _FLAGGED,
-            "least_significant": _FLAGGED,
-            "edge_std": "rms of 56 axes of fingertips ray-traced in 14 skins, backdrops and lights: 0.42",
-            **dict.fromkeys(("least_px", "far", "most_alike"), "choice: how points count"),
-        },
-        sample=faces,
-        compare=compare_shapes,
     ),
-)
+)  # fmt: skip

@@ -4,8 +4,9 @@ The errors are those of the ridge area of images in which the outline was found 
 the outline itself adds taken off in proportion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 from unittest.mock import patch
 
@@ -16,7 +17,7 @@ from benchmarks.tables import or_none
 from benchmarks.truth.image_sets import images
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import result, ridges
-from fingerpad.image.contact_image.calibration import RIDGE_AREA, RIDGE_LEVEL, RidgeAreaError, RidgeLevel
+from fingerpad.image.contact_image.calibration import RIDGE_AREA, RIDGE_LEVEL
 from fingerpad.image.contact_image.edge import Edge, trace_edge
 from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.view import View, view_of
@@ -52,64 +53,49 @@ def sample(count: int, seed: int) -> list[Seen]:
     return found
 
 
-def _compare(
-    level: RidgeLevel, stated: RidgeAreaError, images: Sequence[Seen], maps: dict[Seen, tuple[Any, float]]
-) -> Compared:
-    errors, stds = [], []
-    with patch.object(ridges, "RIDGE_LEVEL", level), patch.object(result, "RIDGE_AREA", stated):
-        for one in images:
-            if one not in maps:
-                fine = ridges.ridge_map(one.view, one.edge.points, None)
-                smeared = result._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
-                area, unknown = fine.area(smeared)
-                maps[one] = fine, area - unknown / 2
-            fine, known = maps[one]
-            true = one.share * one.area
-            errors.append(known / true - 1)
-            stds.append(result._ridge_area_std(one.edge, fine, known, one.area) / true)
-    return Compared(np.array(errors), np.array(stds))
+def _mapped(one: Seen) -> tuple[Any, float]:
+    fine = ridges.ridge_map(one.view, one.edge.points, None)
+    area, unknown = fine.area(result._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period))
+    return fine, area - unknown / 2
+
+
+_mapped_once = cache(_mapped)
+
+
+def _compare(images: Sequence[Seen], mapped: Callable[[Seen], tuple[Any, float]]) -> Compared:
+    rows = []
+    for one in images:
+        (fine, known), true = mapped(one), one.share * one.area
+        rows.append((known / true - 1, result._ridge_area_std(one.edge, fine, known, one.area) / true))
+    return Compared(*np.transpose(rows))
 
 
 def compare_level(level: Any, images: Sequence[Seen]) -> Compared:
     """Find the ridges again under another level."""
-    return _compare(level, RIDGE_AREA, images, {})
-
-
-_MAPS: dict[Seen, tuple[Any, float]] = {}
+    with patch.object(ridges, "RIDGE_LEVEL", level):
+        return _compare(images, _mapped)
 
 
 def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
     """State the uncertainty of the ridges of the level in use, found once, under other numbers."""
-    return _compare(RIDGE_LEVEL, stated, images, _MAPS)
+    with patch.object(result, "RIDGE_AREA", stated):
+        return _compare(images, _mapped_once)
 
 
 _OF = "error of the ridge area inside the outline, as a share"
-_BY = "by_rim", "by_fade", "by_moisture"
-_NO_EFFECT = "choice: the area hardly depends on it"
+_PLACES = "reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain"
+_EFFECTS = "level_std", "level_by_grain", "least_std", "by_rim", "by_fade", "by_moisture"
+_OF_LEVEL = dict.fromkeys(("gradient", "direction", "sample"), "choice: the area hardly depends on it") | {
+    "near_half": "choice: the width of a numerical derivative",
+    "crest": "choice: what is counted as crest; usual_grain depends on it",
+}
+_OF_ERROR = {
+    "sharp_fade": "choice: where by_fade begins",
+    "most_fade": "choice: where by_fade ends",
+    "dry_share": "choice: where by_moisture begins",
+    "at_rim": "no error inside a given outline depends on it",
+}
 PROBLEMS = (
-    Problem(
-        model=RIDGE_LEVEL,
-        of=_OF,
-        places=("reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain"),
-        kept={
-            **dict.fromkeys(("gradient", "direction", "sample"), _NO_EFFECT),
-            "near_half": "choice: the width of a numerical derivative",
-            "crest": "choice: what is counted as crest; usual_grain depends on it",
-        },
-        sample=sample,
-        compare=compare_level,
-    ),
-    Problem(
-        model=RIDGE_AREA,
-        of=_OF,
-        stds=("level_std", "level_by_grain", "least_std", *_BY),
-        kept={
-            "sharp_fade": "choice: where by_fade begins",
-            "most_fade": "choice: where by_fade ends",
-            "dry_share": "choice: where by_moisture begins",
-            "at_rim": "no error inside a given outline depends on it",
-        },
-        sample=sample,
-        compare=compare_error,
-    ),
+    Problem(RIDGE_LEVEL, _OF, sample, compare_level, places=_PLACES, kept=_OF_LEVEL),
+    Problem(RIDGE_AREA, _OF, sample, compare_error, stds=_EFFECTS, kept=_OF_ERROR),
 )

@@ -1,8 +1,7 @@
 """Edge of contacts without ridges, on pictures made from the gap between an elastic body and the glass."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 from unittest.mock import patch
 
 import numpy as np
@@ -20,13 +19,8 @@ from fingerpad.image.contact_image.view import View
 _NEAR = 0.3  # another patch was found: nothing is learned of the edge
 
 
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """The step found in a picture, and the true area in mm²."""
-
-    view: View
-    step: Step
-    area: float
+# A view, the step found in it, and the true area in mm².
+Seen: TypeAlias = tuple[View, Step, float]
 
 
 def sample(count: int, seed: int) -> list[Seen]:
@@ -43,7 +37,7 @@ def sample(count: int, seed: int) -> list[Seen]:
                 continue
             if abs(np.pi * (steps[0].radius * picture.mm_per_px) ** 2 / picture.area - 1) < _NEAR:
                 view = smooth._view(part, values, inside, Scale(picture.mm_per_px), steps[0])
-                found.append(Seen(view, steps[0], picture.area))
+                found.append((view, steps[0], picture.area))
     return found
 
 
@@ -51,31 +45,20 @@ def compare(model: Any, steps: Sequence[Seen]) -> Compared:
     """Place the edge of each step, and state its uncertainty."""
     rows = []
     with patch.object(smooth, "SMOOTH", model):
-        for one in steps:
-            edge = smooth._edge(one.step, one.view)
+        for view, step, area in steps:
             region = Region(patch=np.zeros((1, 1), dtype=bool), several=False)
-            result = evaluate(one.view, None, region, edge, edited=False)
-            rows.append(((result.gross_area - one.area) / one.area, result.gross_area_std / one.area))
-    errors, stds = np.array(rows).T
-    return Compared(errors, stds)
+            result = evaluate(view, None, region, smooth._edge(step, view), edited=False)
+            rows.append(((result.gross_area - area) / area, result.gross_area_std / area))
+    return Compared(*np.transpose(rows))
 
 
 _LIMITS = (
     "least_contrast", "low_contrast", "crest_contrast", "least_score", "least_score_cut", "least_seen",
     "most_shared", "least_overshoot",
 )  # fmt: skip
-_DOUBT = "choice: what counts as a contact, or is flagged"
-PROBLEMS = (
-    Problem(
-        model=SMOOTH,
-        of="error of the area, as a share",
-        places=("crest", "fringe"),
-        stds=("pixel", "by_width", "by_scatter", "second", "hidden", "crest_std", "fringe_std"),
-        kept={
-            **dict.fromkeys(_LIMITS, _DOUBT),
-            "cut": "the truth of contacts that the frame cuts is not defined",
-        },
-        sample=sample,
-        compare=compare,
-    ),
-)
+_KEPT = dict.fromkeys(_LIMITS, "choice: what counts as a contact, or is flagged")
+_KEPT["cut"] = "the truth of contacts that the frame cuts is not defined"
+_PLACES = "crest", "fringe"
+_EFFECTS = "pixel", "by_width", "by_scatter", "second", "hidden", "crest_std", "fringe_std"
+_OF = "error of the area, as a share"
+PROBLEMS = (Problem(SMOOTH, _OF, sample, compare, places=_PLACES, stds=_EFFECTS, kept=_KEPT),)

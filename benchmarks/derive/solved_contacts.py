@@ -38,14 +38,9 @@ def kept_pads(rows: Array) -> Placement:
 
 
 def _row(found: SolvedContact, *inputs: float) -> tuple[float, ...]:
-    return (
-        *inputs,
-        float(found.load / found.tissue.reduced_modulus),
-        float(found.area),
-        float(found.indentation),
-        float(1 / found.aspect_ratio),
-        float(found.peak_pressure / found.tissue.reduced_modulus),
-    )
+    E = found.tissue.reduced_modulus
+    results = found.load / E, found.area, found.indentation, 1 / found.aspect_ratio, found.peak_pressure / E
+    return *inputs, *map(float, results)
 
 
 def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[float, ...]:

@@ -17,42 +17,18 @@ from benchmarks.robustness.damaged_studies import DEMO, Outcomes, damaged
 from fingerpad.cli import app
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
+from fingerpad.testing import write_study
 
 PATIENCE_S: Final = 120.0
 RUN_EVERY, FIT_EVERY = 40, 50
 RESULTS: Final = " ,Label,Major,Minor,Angle\n1,a_30deg_2N.png,300,200,90\n2,b_45deg_1N.png,280,210,80\n"
-SMALL: Final = """
-title = "small"
-observations_csv = "observations.csv"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-load_relative_std = 0.01
-[scales.reader]
-ppi = 500
-[[fingers]]
-name = "index"
-semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[observations]]
-name = "first"
-finger = "index"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }
-[[curves]]
-finger = "index"
-wedge_angle_deg = 30
-loading_radius_mm = 14.5
-"""
 ROWS: Final = (
     "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std\n"
-    "second,index,45,1,5,4,0.1\nthird,index,45,2,6,5,0.1\n"
+    "second,synthetic_pad,45,1,5,4,0.1\nthird,synthetic_pad,45,2,6,5,0.1\n"
 )
-
-
 DAMAGED: Final = (
     "demo/study.toml", "demo/observations.csv", "small/study.toml", "small/observations.csv", "Results.csv",
-    "curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv",
+    "small/curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv",
 )  # fmt: skip
 
 
@@ -96,11 +72,11 @@ def try_commands(folder: Path, count: int) -> Outcomes:
         return outcome
 
     shutil.copytree(DEMO, folder / "demo")
-    (folder / "small").mkdir()
-    for name, text in (("study.toml", SMALL), ("observations.csv", ROWS)):
-        (folder / "small" / name).write_text(text, encoding="utf-8")
+    manifest = write_study(folder / "small", loads=(1.0,)).path
+    text = f'observations_csv = "observations.csv"\n{manifest.read_text(encoding="utf-8")}'
+    manifest.write_text(text, encoding="utf-8")
+    (folder / "small" / "observations.csv").write_text(ROWS, encoding="utf-8")
     (folder / "Results.csv").write_text(RESULTS, encoding="utf-8")
-    shutil.copy(next((DEMO / "synthetic").glob("curve_*.csv")), folder / "curve.csv")
     run_study(folder / "small", folder / "whole", write_report=write_report)
     originals = {path: path.read_bytes() for path in (folder / name for name in DAMAGED)}
     for seed in range(count):
@@ -118,5 +94,5 @@ def try_commands(folder: Path, count: int) -> Outcomes:
             run("run", folder / "small", "--out", folder / "out")
             shutil.rmtree(folder / "out", ignore_errors=True)
         if not seed % FIT_EVERY:
-            run("fit", folder / "curve.csv")
+            run("fit", folder / "small" / "curve.csv")
     return found

@@ -143,15 +143,13 @@ def print_score(name: str, session: Path) -> None:
         results = [(modules[job], result) for job, result in database.results]
     survived = [(module, result.diff) for module, result in results if not result.is_killed]
     left = [
-        (module, diff)
+        diff
         for module, diff in survived
         if not any((module, line[1:].strip()) in equivalent for line in diff.splitlines() if line[:1] == "+")
     ]
-    score = 1 - len(left) / max(1, len(results) - len(survived) + len(left))
-    print(f"\n{name}: {len(results)} mutants, {len(results) - len(survived)} killed, ", end="")
-    print(f"{len(survived) - len(left)} equivalent, {len(left)} survive: {score:.0%}")
-    for _, diff in left:
-        print(diff)
+    killed, alike = len(results) - len(survived), len(survived) - len(left)
+    print(f"\n{name}: {len(results)} mutants, {killed} killed, {alike} equivalent, ", end="")
+    print(f"{len(left)} survive: {1 - len(left) / max(1, killed + len(left)):.0%}", *left, sep="\n")
 
 
 def main() -> None:

@@ -12,8 +12,7 @@ Records of Maugis and Dugdale's theory (kind "md") follow Maugis (1992), with th
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -38,8 +37,7 @@ KINDS = {
 _RANGE_MM = 0.4e-6  # of attraction
 
 
-@dataclass(frozen=True, kw_only=True)
-class Record:
+class Record(NamedTuple):
     """A record as an instrument takes it, and the truth."""
 
     time: Array
@@ -266,14 +264,4 @@ def _record(rng: Rng, kind: str) -> Record:  # noqa: PLR0912, PLR0915 (one numbe
     if rng.random() < 0.4:  # a converter of 14 bits over three times the peak
         step = 6 * peak / 2**14
         force = np.round(force / step) * step
-    return Record(
-        time=t,
-        displacement=displacement,
-        force=force,
-        radius=R,
-        modulus=E,
-        work_of_adhesion=receding,
-        contact_offset=offset,
-        compliance=0.0 if k is None else 1.0 / k,
-        is_stage=is_stage,
-    )
+    return Record(t, displacement, force, R, E, receding, offset, 0.0 if k is None else 1.0 / k, is_stage)

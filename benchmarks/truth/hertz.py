@@ -1,8 +1,9 @@
-"""Elliptical Hertz contact from the equations as Johnson (1985) prints them, to fifty digits or to twelve."""
+"""Elliptical Hertz contact from the equations as Johnson (1985) prints them, to fifty digits."""
+
+from functools import cache
 
 import mpmath as mp
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 
@@ -37,17 +38,12 @@ def _shape(ratio: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
     return k, mp.cbrt(cubed), 2 / mp.pi * mp.sqrt(k) * K / mp.cbrt(cubed)
 
 
+@cache
 def hertz_ellipse(curvature_ratio: float) -> tuple[float, float, float]:
     """Return k, F1 and F2 of the contact of bodies with R'/R'' of at least 1."""
-    if curvature_ratio < 1 + 1e-6:
-        return 1.0, 1.0, 1.0
-
-    def excess(k: float) -> float:
-        K, E = ellipk(1 - k**2), ellipe(1 - k**2)
-        return (E / k**2 - K) / (K - E) - curvature_ratio
-
-    k = float(brentq(excess, 0.02, 1 - 1e-7, xtol=1e-13))
-    return k, *hertz_factors(k)
+    with mp.workdps(90):
+        k, size, indentation = map(float, _shape(mp.mpf(curvature_ratio)))
+    return k, size, indentation
 
 
 def hertz_factors(k: float) -> tuple[float, float]:

@@ -74,14 +74,7 @@ CONDITIONS: dict[str, Condition] = {
     "Swift–Hohenberg, clean": replace(_CLEAN, growth="swift-hohenberg"),
     "Swift–Hohenberg, both fade over 1 mm": Condition("swift-hohenberg", width_fade=1, contrast_fade=1),
     "everything": Condition(
-        growth="swift-hohenberg",
-        shape=0.04,
-        features=2,
-        dirt=0.05,
-        smears=3,
-        noise=0.04,
-        lighting=0.15,
-        haze=0.12,
+        "swift-hohenberg", shape=0.04, features=2, dirt=0.05, smears=3, noise=0.04, lighting=0.15, haze=0.12
     ),
 }
 
@@ -115,15 +108,9 @@ def render(rng: Rng, condition: Condition) -> IndependentImage:
     of_contact, of_device = rng.spawn(2)
     of_skin = ("growth", "width_fade", "shape", "features", "uneven")
     contact = draw_contact(of_contact, **{name: getattr(condition, name) for name in of_skin})
-    pixels, (area, _, *semi_axes) = _photograph(of_device, contact, condition), contact.outline.moments()
-    return IndependentImage(
-        pixels=pixels,
-        mm_per_px=25.4 / condition.ppi,
-        gross_area=area,
-        ridge_area=contact.ridge_area(),
-        semi_axes=(semi_axes[0], semi_axes[1]),
-        condition=condition,
-    )
+    pixels, (area, _, *axes) = _photograph(of_device, contact, condition), contact.outline.moments()
+    semi_axes = axes[0], axes[1]
+    return IndependentImage(pixels, 25.4 / condition.ppi, area, contact.ridge_area(), semi_axes, condition)
 
 
 def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> Array:

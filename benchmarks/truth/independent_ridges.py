@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft, ndimage, sparse
+from scipy import fft, interpolate, ndimage, sparse
 
 from benchmarks.arrays import Array, Pair, Rng
 
@@ -144,14 +144,8 @@ def grid_for(outline: Outline, step: float = GRID_STEP) -> tuple[Array, Array]:
 
 def _spline_weights(at: Array, size: int) -> sparse.csr_array:
     """Return the matrix (at.size, size) that evaluates a cubic B-spline of a grid about the origin."""
-    u = at / GRID_STEP + size // 2
-    first = np.floor(u).astype(int)
-    f = u - first
-    parts = (1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3
-    basis = np.stack(parts, axis=-1) / 6
-    places = first[:, None] + np.arange(-1, 3)
-    rows = np.repeat(np.arange(at.size), 4)
-    return sparse.csr_array((basis.astype(np.float32).ravel(), (rows, places.ravel())), shape=(at.size, size))
+    index, knots = at / GRID_STEP + size // 2, np.arange(-2.0, size + 2)
+    return interpolate.BSpline.design_matrix(index, knots, 3).astype(np.float32)
 
 
 def smooth_noise(rng: Rng, shape: tuple[int, ...], sigma: float) -> Array:

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-from scipy.integrate import quad
+from scipy.special import elliprd, elliprf
 
 from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.truth.true_image import jpeg
@@ -34,7 +34,6 @@ KINDS = {
     "cut": "contact that the frame cuts",
 }
 DEVICES = [*KINDS][:5]
-_T, _W = np.polynomial.legendre.leggauss(14)
 _SUB, _NEAR_PX = 6, 3.0  # points along a pixel's side, where the edge is within so many pixels
 _TINTS = (1, 0.98, 0.94), (0.12, 1, 0.3), (0.12, 0.4, 1), (1, 0.22, 0.15), (1, 0.85, 0.6)
 
@@ -51,17 +50,16 @@ class Picture:
 
 
 class Gap:
-    """Gap, mm, around an elliptical contact with semi-axes a, b, and radius R along the major one, mm."""
+    """Gap, mm, around an elliptical contact with semi-axes a, b, and radius R along the major one, mm.
+
+    The integrals are Carlson's R_F and R_D.
+    """
 
     def __init__(self, a: float, b: float, radius: float, stretch: float) -> None:
-        self.a, self.b, self.radius = a, b, radius
-
-        # C from the curvature 1/(2R) along the major axis, with s = t²
-        def integral(of_a: float) -> float:
-            return float(quad(lambda t: 2 / ((a * a + t * t) ** of_a * (b * b + t * t) ** 0.5), 0, np.inf)[0])
-
-        self.flat = integral(0.5)
-        self.hertz = 1 / (2 * radius * integral(1.5))
+        self.a, self.b = a, b
+        # C from the curvature 1/(2R) along the major axis
+        self.hertz = 0.75 / (radius * float(elliprd(0, b * b, a * a)))
+        self.flat = 2 * float(elliprf(0, a * a, b * b))
         self.adhesive = stretch / self.flat
 
     def coordinate(self, x: Array, y: Array) -> Array:
@@ -74,41 +72,24 @@ class Gap:
             found = np.where(total > 0, -2 * product / (total + root), 0.5 * (root - total))
         return np.maximum(np.nan_to_num(found), 0.0)
 
-    def _integrals(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Return the integrals up to λ of Hertz and of a flat punch."""
-        end = np.sqrt(self.coordinate(x, y))
-        of_hertz, of_punch = np.zeros_like(end), np.zeros_like(end)
-        x2, y2 = x * x, y * y
-        for node, weight in zip(_T, _W, strict=True):
-            s = (0.5 * end * (node + 1)) ** 2
-            across, along = self.a**2 + s, self.b**2 + s
-            step = weight * end / np.sqrt(across * along)
-            of_hertz += step * (x2 / across + y2 / along - 1)
-            of_punch += step
-        return of_hertz, of_punch
+    def _beyond(self, x: Array, y: Array, start: Array) -> tuple[Array, Array]:
+        """Return −∫ from a coordinate to infinity of Hertz, and that of a flat punch."""
+        a2, b2 = self.a**2 + start, self.b**2 + start
+        of_punch = 2 * elliprf(start, a2, b2)
+        return of_punch - 2 / 3 * (x * x * elliprd(start, b2, a2) + y * y * elliprd(start, a2, b2)), of_punch
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the gap at points in the ellipse's frame, x along its major axis."""
-        of_hertz, of_punch = self._integrals(x, y)
-        return np.maximum(self.hertz * of_hertz + self.adhesive * of_punch, 0.0)
+        (inner, _), (outer, punch) = (self._beyond(x, y, s) for s in (np.zeros(()), self.coordinate(x, y)))
+        return np.maximum(self.hertz * (outer - inner) + self.adhesive * (self.flat - punch), 0.0)
 
     def surface(self, x: Array, y: Array) -> Array:
         """Return the depth of a surface that the body indents."""
-        start = self.coordinate(x, y)
-        angle = np.arctan2(np.sqrt(start), self.a)  # t = a tan(angle)
-        out = np.zeros_like(start)
-        half = 0.5 * (np.pi / 2 - angle)
-        for node, weight in zip(_T, _W, strict=True):
-            at = angle + half * (node + 1)
-            s = (self.a * np.tan(at)) ** 2
-            across, along = self.a**2 + s, self.b**2 + s
-            curve = 2 * (1 - x * x / across - y * y / along) / np.sqrt(across * along)
-            out += weight * half * curve * self.a / np.cos(at) ** 2
-        return self.hertz * out
+        return self.hertz * self._beyond(x, y, self.coordinate(x, y))[0]
 
     def punch(self, x: Array, y: Array) -> Array:
         """Return the depth of a surface around a flat elliptical punch of unit depth."""
-        return 1 - self._integrals(x, y)[1] / self.flat
+        return self._beyond(x, y, self.coordinate(x, y))[1] / self.flat
 
 
 def _smooth_noise(rng: Rng, shape: Shape, size: float, octaves: int = 1) -> Array:
@@ -217,18 +198,17 @@ class Camera:
     """A set-up's camera, which makes 8-bit pictures."""
 
     def __init__(self, rng: Rng) -> None:
-        self.rng = rng
         self.blur = rng.uniform(0.6, 1.6)
         self.full = np.exp(rng.uniform(np.log(1500), np.log(20000)))  # electrons at 255
         self.read = rng.uniform(0.3, 2.0)
         self.gamma = float(rng.choice([1.0, 1.0, 0.8, 0.6]))
         self.jpeg = int(rng.integers(65, 96)) if rng.random() < 0.35 else 0
 
-    def expose(self, light: Array) -> Pixels:
-        """Take a picture of linear light, 0 to 1, grey or RGB."""
+    def expose(self, light: Array, rng: Rng) -> Pixels:
+        """Take a picture of linear light, 0 to 1, grey or RGB, with noise of its own."""
         seen = cv2.GaussianBlur(light.astype(np.float32), (0, 0), self.blur)
         seen = np.clip(seen, 0, None) * 255
-        seen = seen + self.rng.normal(0, 1, seen.shape) * np.sqrt(seen * 255 / self.full + self.read**2)
+        seen = seen + rng.normal(0, 1, seen.shape) * np.sqrt(seen * 255 / self.full + self.read**2)
         seen = 255 * (np.clip(seen, 0, 255) / 255) ** self.gamma
         pixels = np.asarray(np.clip(np.round(seen), 0, 255), np.uint8)
         if not self.jpeg:
@@ -523,8 +503,7 @@ _OPTICS: dict[str, Callable[[_Scene], tuple[Array, ...]]] = {
 def _picture(kind: str, scene: _Scene, noise: Rng) -> Picture:
     """Return a picture; `noise` is the camera's own."""
     image, empty = _OPTICS[kind](scene)
-    scene.camera.rng = noise
-    pixels, background = scene.camera.expose(image * scene.drift), scene.camera.expose(empty)
+    pixels, background = (scene.camera.expose(one, noise) for one in (image * scene.drift, empty))
     area = float(np.pi * scene.gap.a * scene.gap.b) if scene.touches else 0.0
     return Picture(pixels, background, scene.mm, area, scene.touches and not scene.cut)
 

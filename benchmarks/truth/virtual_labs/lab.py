@@ -70,7 +70,7 @@ class _Lab:
         thickness = float(rng.uniform(4.5, 10)) if bone else np.inf
         self.gaps = {w: Gap(pad, w + rng.normal(0, wedge_std), rng.normal(0, roll_std)) for w in WEDGES}
         deepest = min(2.6, 0.42 * thickness)
-        self.laws = {w: Law.of(gap, 1.15 * deepest, thickness, poisson) for w, gap in self.gaps.items()}
+        self.laws = {w: Law(gap, 1.15 * deepest, thickness, poisson) for w, gap in self.gaps.items()}
         # Loads stay within the laws; a finger too soft for 2 N is made stiffer.
         load_over_modulus = min(float(law.load(deepest)) for law in self.laws.values()) / (1 - poisson**2)
         drawn_modulus = float(np.exp(rng.uniform(np.log(30), np.log(100)))) / 1000

@@ -1,13 +1,18 @@
 """A pad, its frictionless contact with a flat plate, and laws of load and area, all for E* = 1."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from scipy import fft, interpolate, ndimage, optimize, special
 
 from benchmarks.arrays import Array
 from benchmarks.truth.layers import compliance
+
+# The gap at points along and across the finger.
+Surface: TypeAlias = Callable[[Array, Array], Array]
 
 CELLS = 128
 DIRECTIONS = 72
@@ -88,17 +93,6 @@ class Gap:
         return 2 / sum(self.curvatures())
 
 
-@dataclass(frozen=True)
-class Paraboloid:
-    """Gap of a paraboloid of revolution."""
-
-    radius: float
-
-    def __call__(self, along: Array, across: Array) -> Array:
-        """Return the gap."""
-        return (along**2 + across**2) / (2 * self.radius)
-
-
 @lru_cache(maxsize=8)
 def _layer_excess(poisson: float) -> interpolate.CubicSpline:
     """Return t π E* times the layer's surface displacement less that of a half-space, against r/t."""
@@ -142,9 +136,7 @@ class Contact:
 PROFILE_AT = np.linspace(0, 1, 21)
 
 
-def press(
-    gap: Gap | Paraboloid, indentation: float, thickness: float, poisson: float, cells: int = CELLS
-) -> Contact:
+def press(gap: Surface, indentation: float, thickness: float, poisson: float, cells: int = CELLS) -> Contact:
     """Press a plate onto a pad to an indentation, by conjugate gradients with pressures kept positive."""
     along = np.linspace(-15, 15, 121)
     coarse_s, coarse_t = np.meshgrid(along, along, indexing="ij")
@@ -223,30 +215,19 @@ def _outline(pressure: Array, size: float) -> tuple[Array, Array]:
     return (radii - 0.045) * size, profile / profile.max()
 
 
-@dataclass(frozen=True)
 class Law:
-    """Load, area and outline of a pad against indentation, interpolated between solved contacts (E* = 1)."""
+    """Load, area and outline of a pad against indentation, interpolated between solved contacts (E* = 1).
 
-    load_over: interpolate.CubicSpline  # ln(W/ξ^1.5) against √ξ
-    area_over: interpolate.CubicSpline  # ln(A/ξ)
-    outline_over: interpolate.CubicSpline  # r/√ξ
-    profile: interpolate.CubicSpline
-    deepest: float
+    Contacts are solved at depths that are even in √ξ.
+    """
 
-    @classmethod
-    def of(
-        cls, gap: Gap | Paraboloid, deepest: float, thickness: float, poisson: float, steps: int = 11
-    ) -> "Law":
-        """Solve contacts at depths that are even in √ξ."""
-        roots = np.sqrt(deepest) * np.arange(1, steps + 1) / steps
-        solved = [press(gap, root**2, thickness, poisson) for root in roots]
-        rows = [
-            (np.log(c.load / r**3), np.log(c.area / r**2), c.outline / r, c.profile)
-            for c, r in zip(solved, roots, strict=True)
-        ]
-        columns = zip(*rows, strict=True)
-        load, area, outline, profile = (interpolate.CubicSpline(roots, one) for one in columns)
-        return cls(load, area, outline, profile, deepest)
+    def __init__(self, gap: Gap, deepest: float, thickness: float, poisson: float) -> None:
+        self.deepest, roots = deepest, np.sqrt(deepest) * np.arange(1, 12) / 11
+        solved = [(root, press(gap, root**2, thickness, poisson)) for root in roots]
+        rows = [(np.log(c.load / r**3), np.log(c.area / r**2), c.outline / r, c.profile) for r, c in solved]
+        # ln(W/ξ^1.5), ln(A/ξ), r/√ξ and the profile against √ξ
+        columns = (interpolate.CubicSpline(roots, one) for one in zip(*rows, strict=True))
+        self.load_over, self.area_over, self.outline_over, self.profile = columns
 
     def load(self, indentation: Array | float) -> Array:
         """Return W/E*."""

@@ -1,14 +1,13 @@
 """What a run wrote, set beside the truth."""
 
-import csv
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.tables import share
 
@@ -18,27 +17,9 @@ NO_DOUBT = {"", "None", "holds", "not_tested", "not tested"}
 _ENDS = "", "_std", "_total_std", "_model_std", "_ci95_low", "_ci95_high"
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """One stated number beside the truth; open ends of intervals and deep tissue are infinite."""
-
-    quantity: str
-    value: float
-    std: float
-    low: float
-    high: float
-    truth: float
-    flags: str
-
-    @property
-    def held(self) -> bool:
-        """Whether the 95 % interval holds the truth."""
-        return self.low <= self.truth <= self.high
-
-    @property
-    def unit(self) -> float:
-        """What errors are given in: µm of a place of contact, else % of the truth."""
-        return 1e-3 if self.quantity.endswith("(µm)") else self.truth / 100
+# One stated number beside the truth; open ends of intervals and deep tissue are infinite.
+COLUMNS = "quantity", "value", "std", "low", "high", "truth", "flags"
+Comparison: TypeAlias = tuple[str, float, float, float, float, float, str]
 
 
 def _read(
@@ -63,7 +44,7 @@ def _read(
         std = total if total > 0 else std
         if total > 0 or math.isnan(low):
             low, high = np.fmin(low, value - 1.96 * std), np.fmax(high, value + 1.96 * std)
-        yield Comparison(quantity, value, std, float(low), float(high), truth, words)
+        yield quantity, value, std, float(low), float(high), truth, words
 
 
 def _image(truth: Truth, row: dict[str, str]) -> Iterator[Comparison]:
@@ -117,12 +98,12 @@ def _summary(truth: Truth, record: dict[str, Any], pad_flags: list[str]) -> Iter
 
 def _load(truth: Truth, row: dict[str, str]) -> Iterator[Comparison]:
     """Compare a row of by_load.csv."""
-    key, modulus = "youngs_modulus_kpa", truth.youngs_modulus
-    words = [row.get(k) for k in (f"{key}_verdict", "flags", "range_notes")]
-    yield from _read(row, words, (key, "E in by_load.csv", modulus))
-    key = "youngs_modulus_on_layer_kpa"
-    words = [row.get(f"{key}_verdict"), row.get("layer_flag")]
-    yield from _read(row, words, (key, "E on layer in by_load.csv", modulus))
+    for key, words, quantity in (
+        ("youngs_modulus_kpa", ("flags", "range_notes"), "E in by_load.csv"),
+        ("youngs_modulus_on_layer_kpa", ("layer_flag",), "E on layer in by_load.csv"),
+    ):
+        flags = [row.get(word) for word in (f"{key}_verdict", *words)]
+        yield from _read(row, flags, (key, quantity, truth.youngs_modulus))
 
 
 def _curve(truth: Truth, curve: dict[str, Any]) -> Iterator[Comparison]:
@@ -157,15 +138,14 @@ def _flags(finger: dict[str, Any]) -> list[str]:
     return [*flags, *(finger.get("flags") or []), *disagree]
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
 def compare(truth: Truth, results: Path) -> Iterator[Comparison]:
     """Compare all that a run wrote of a lab with the truth."""
     summary = json.loads((results / "summary.json").read_text())
-    rows = [row for row in _rows(results / "results.csv") if row["status"] == "measured"]
+    rows, by_load = (
+        pd.read_csv(results / name, dtype=str, na_filter=False).to_dict("records")
+        for name in ("results.csv", "by_load.csv")
+    )
+    rows = [row for row in rows if row["status"] == "measured"]
     for row in rows:
         yield from _image(truth, row)
     for finger in summary["fingers"]:
@@ -177,18 +157,25 @@ def compare(truth: Truth, results: Path) -> Iterator[Comparison]:
         notes = {note for r in here for note in r["range_notes"].split()}
         pad_notes = notes & {"curvature_disagrees", "faces_disagree", "implausible_size"}
         yield from _summary(truth, record, [*flags, *pad_notes])
-    for row in _rows(results / "by_load.csv"):
+    for row in by_load:
         yield from _load(truth, row)
     for curve in summary["curves"]:
         yield from _curve(truth, curve)
 
 
-def by_quantity(found: list[Comparison]) -> Iterator[tuple[object, ...]]:
-    """Yield a row for each quantity: errors, what was stated, held, flagged, and missed in silence."""
-    for quantity in dict.fromkeys(c.quantity for c in found):
-        group = [c for c in found if c.quantity == quantity]
-        finite = [c for c in group if math.isfinite(c.truth) and c.std > 0]
-        e, s = np.array([[(c.value - c.truth) / c.unit, c.std / c.unit] for c in finite]).reshape(-1, 2).T
-        numbers = [f"{x:.1f}" for x in (math.sqrt((e**2).mean()), s.mean())] if finite else ["–", "–"]
-        shares = [share([c.held for c in group]), share([bool(c.flags) for c in group])]
-        yield quantity, len(group), *numbers, *shares, sum(not c.held and not c.flags for c in group)
+def by_quantity(rows: list[Comparison]) -> Iterator[tuple[object, ...]]:
+    """Yield a row for each quantity: errors, what was stated, held, flagged, and missed in silence.
+
+    Errors are in µm of a place of contact, else in % of the truth.
+    """
+    found = pd.DataFrame(rows, columns=COLUMNS)
+    unit = np.where(found["quantity"].str.endswith("(µm)"), 1e-3, found["truth"] / 100)
+    found["error"], found["stated"] = (found["value"] - found["truth"]) / unit, found["std"] / unit
+    found["held"] = found["truth"].between(found["low"], found["high"])
+    found["flagged"] = found["flags"] != ""
+    for quantity, group in found.groupby("quantity", sort=False):
+        finite = group[np.isfinite(group["truth"]) & (group["std"] > 0)]
+        means = math.sqrt((finite["error"] ** 2).mean()), finite["stated"].mean()
+        numbers = [f"{x:.1f}" for x in means] if len(finite) else ["–", "–"]
+        missed = (~group["held"] & ~group["flagged"]).sum()
+        yield quantity, len(group), *numbers, share(group["held"]), share(group["flagged"]), missed
