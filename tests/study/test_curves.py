@@ -348,13 +348,20 @@ def fitted(run_of_curves) -> list[CurveResult]:
 
 
 def test_curves_given_twice_and_without_a_layer(run_of_curves):
-    assert "0.csv: press 0 is given 4 times, and counts once in R_g" in run_of_curves.notes
+    assert "0.csv: press 0 is given 4 times, and counts once" in run_of_curves.notes
     plain, *_, other = run_of_curves.curves
     every, once = (
         loading_radius(curves, ("f", 30.0, False)) for curves in (run_of_curves.curves, [plain, other])
     )
     assert every == once
     assert all(curve.layer is None for curve in run_of_curves.curves)
+
+
+def test_a_curve_given_twice_makes_no_check_more_certain(tmp_path):
+    write_curve(tmp_path / "a.csv")
+    once, twice = (study(tmp_path, *many * [on_half_space()]).validities[0].checks for many in (1, 2))
+    assert {one.check for one in once if one.reference_std > 0} >= set(ROUTES.values())
+    assert twice == once
 
 
 def test_radius_and_moduli_are_as_uncertain_as_the_scale_of_the_areas(fitted):

@@ -273,7 +273,7 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
     curves = measured.items.context.study.curves
     for (press, _), count in Counter((one.press, one.finger_and_wedge) for one in curves).items():
         if press and count > 1:
-            yield "{}: press {} is given {} times, and counts once in R_g".format(*press, count)
+            yield "{}: press {} is given {} times, and counts once".format(*press, count)
     for one_press, words in (
         (True, "which counts once: keep one, or say by region_of_interest_px which part of it each is"),
         (False, "of different presses, none of which counts: does it show another contact?"),

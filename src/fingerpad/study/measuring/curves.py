@@ -342,20 +342,29 @@ class LoadingRadius(NamedTuple):
     scale: str | None = None
 
 
+def each_press_once(curves: Iterable[CurveResult]) -> list[CurveResult]:
+    """Return curves without those of a press that has been given before, as with another fit."""
+    presses: dict[object, CurveResult] = {}
+    for one in curves:
+        presses.setdefault(one.manifest.press or id(one), one)
+    return list(presses.values())
+
+
 def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, bool]) -> LoadingRadius | None:
     """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any.
 
     A press that is given twice counts once, and none without an uncertainty beside others that have one.
     """
-    presses: dict[object, CurveResult] = {}
-    for one in curves:
-        plausible = not (one.fit and "implausible_radius" in one.fit.flags)
-        if one.manifest.finger_and_wedge == pressed and math.isfinite(one.loading_radius) and plausible:
-            presses.setdefault(one.manifest.press or id(one), one)
+    presses = each_press_once(
+        one
+        for one in curves
+        if one.manifest.finger_and_wedge == pressed
+        and math.isfinite(one.loading_radius)
+        and not (one.fit and "implausible_radius" in one.fit.flags)
+    )
     if not presses:
         return None
-    known = [one for one in presses.values() if math.isfinite(one.loading_radius_std)]
-    fitting = known or list(presses.values())
+    fitting = [one for one in presses if math.isfinite(one.loading_radius_std)] or presses
     *_, synthetic = pressed
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])

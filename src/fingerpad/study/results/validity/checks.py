@@ -20,7 +20,7 @@ from fingerpad.contact.fast_laws import law_form, plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest.models import Study
-from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
+from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
@@ -83,14 +83,15 @@ class FingerAtAngle:
         )
         self.loading = loading_radius(curves, summary.finger_and_wedge)  # R_g
         # Of curves in plausible units on which the place of contact was found.
-        self.fits = tuple(
-            one.fit
+        placed = (
+            one
             for one in curves
             if one.fit is not None
             and one.is_plausible
             and one.manifest.finger_and_wedge == summary.finger_and_wedge
             and 0 < one.fit.contact_offset.std < math.inf
         )
+        self.fits = tuple(one.fit for one in each_press_once(placed) if one.fit is not None)
         areas = summary.areas
         self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
         repeats = repeatability.get(summary.synthetic)
