@@ -19,7 +19,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.image import ContactImageResult, read_image, write_overlay
 from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import ActiveCorrection
+from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
 from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.task import Record, Task, Work, in_study
 from fingerpad.study.manifest.models import Contact, ContactEllipse, Direction, Observation, ScaleKey
@@ -288,62 +288,57 @@ def operator_pairs(context: RunContext, perform: Perform) -> list[OperatorPair]:
     What either rejected is left out, and what the first has not looked at; so is a second look by the first.
     """
     outlined = list(_outlined(context))
-    tasks = [
+    records = perform(
         Task(
             name=f"/second operator {observation.name}",  # no item's name begins like this
             item=observation.name,
             file=observation.file or "",
-            key=context.key(observation, one.edits, other.edits),
+            key=context.key(observation, one.change.edits, other.change.edits),
             work=partial(_compare, observation, context.scale(scale), one, other),
             inputs=context.inputs_of(observation),
         )
         for observation, scale, one, other in outlined
-    ]
-    records = perform(tasks)
+    )
     return [
         OperatorPair(
             observation=observation.name,
-            first_operator=context.active_corrections[observation.name].who,
-            second_operator=context.second_operator[observation.name].who,
+            first_operator=one.who,
+            second_operator=other.who,
             synthetic=observation.synthetic,
             **record,
         )
-        for (observation, *_), record in zip(outlined, records.values(), strict=True)
+        for (observation, _, one, other), record in zip(outlined, records.values(), strict=True)
     ]
 
 
 def _outlined(
     context: RunContext,
-) -> Iterator[tuple[Observation, ScaleKey, ContactCorrection, ContactCorrection]]:
+) -> Iterator[tuple[Observation, ScaleKey, ActiveCorrection, ActiveCorrection]]:
     """Yield contact images with their scale and what two persons made of them."""
     for observation in context.study.observations:
         name = observation.name
-        first, second = context.active_corrections.get(name), context.second_operator.get(name)
-        if observation.file is None or observation.scale is None or first is None or second is None:
+        one, other = context.active_corrections.get(name), context.second_operator.get(name)
+        if observation.file is None or observation.scale is None or one is None or other is None:
             continue
-        one, other = first.change, second.change
-        assert isinstance(one, ContactCorrection)  # the items' own rule
-        assert isinstance(other, ContactCorrection)
-        looked = (each.accepted or each.edits for each in (one, other))
-        if first.who != second.who and not (one.rejected or other.rejected) and all(looked):
+        looked = (each.change.accepted or each.change.edits for each in (one, other))
+        if one.who != other.who and all(looked) and not any(map(is_rejected, (one, other))):
             yield observation, observation.scale, one, other
 
 
 def _compare(
     observation: Observation,
     scale: FoundScale | str,
-    one: ContactCorrection,
-    other: ContactCorrection,
+    one: ActiveCorrection,
+    other: ActiveCorrection,
     folder: Path,
     _out: Path,
 ) -> Record:
     assert observation.file is not None  # as the task was made
     pixels, found = read_image(folder / observation.file).pixels, require_scale(scale)
     regions, record = [], Record()
-    for name, correction in {"first": one, "second": other}.items():
-        seen = apply.corrected_contact_image(
-            pixels, found.scale, observation, folder, correction
-        ).contact_image
+    for name, active in {"first": one, "second": other}.items():
+        wanted = apply.contact_correction(active)
+        seen = apply.corrected_contact_image(pixels, found.scale, observation, folder, wanted).contact_image
         if seen is None:
             return {"reason": in_study(f"the {name} operator's correction leaves no contact", folder)}
         record[name] = dict(zip(QUANTITIES, seen.values.tolist(), strict=True))

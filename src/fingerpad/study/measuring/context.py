@@ -5,7 +5,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
@@ -16,6 +16,7 @@ from fingerpad._records import from_record, to_record
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
+from fingerpad.study.engine.runner import Perform
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record, Task, Work, in_study, versions_of
 from fingerpad.study.manifest import models
@@ -181,6 +182,28 @@ class RunContext:
         scale = getattr(table, "scale", None)
         shared = self.study.scales[scale].files() if isinstance(scale, str) else ()
         return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
+
+
+def resolve_scales(context: RunContext, perform: Perform) -> Scales:
+    """Return every scale of a study, or why there is none; missing coins and grids are measured."""
+    tables = scale_tables(context.study)
+    tasks = {
+        key: Task(
+            name=f"/scale {key}",  # no item's name begins like this
+            item=name or file,
+            file=file,
+            key=cache_key(table.model_dump(mode="json"), context.digest(context.folder / file)),
+            work=partial(scale_record, name, table),
+            inputs=(file,),
+        )
+        for key, (name, table) in tables.items()
+        for _, file in table.files()
+    }
+    records = dict(zip(tasks, perform(tasks.values()).values(), strict=True))
+    return {
+        key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder))
+        for key, (name, table) in tables.items()
+    }
 
 
 TableOf = TypeVar("TableOf", bound=models.ManifestModel)

@@ -5,15 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
 
-from fingerpad.study.engine.runner import (
-    Executor,
-    Perform,
-    Plan,
-    Progress,
-    put_unless_changed,
-    records_of,
-    run_plans,
-)
+from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
 from fingerpad.study.manifest.models import Contact, Observation
@@ -25,15 +17,7 @@ from fingerpad.study.measuring.contacts import (
     operator_pairs,
     repeated_pictures,
 )
-from fingerpad.study.measuring.context import (
-    FoundScale,
-    Item,
-    RunContext,
-    cache_key,
-    scale_from,
-    scale_record,
-    scale_tables,
-)
+from fingerpad.study.measuring.context import Item, RunContext, resolve_scales
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
 from fingerpad.study.measuring.fingers import FingerResult, pad_of, photograph_items
 from fingerpad.study.measuring.sequences import (
@@ -93,28 +77,6 @@ class StudyItems:
 def item_of(task: str) -> str:
     """Return the item to which a task belongs, by its name: of a piece of a sequence, the sequence."""
     return task if "/" in task else task.partition(" ")[0]
-
-
-def resolve_scales(context: RunContext, perform: Perform) -> dict[str, FoundScale | str]:
-    """Return every scale of a study, or why there is none; missing coins and grids are measured."""
-    tables = scale_tables(context.study)
-    tasks = {
-        key: Task(
-            name=f"/scale {key}",  # no item's name begins like this
-            item=name or file,
-            file=file,
-            key=cache_key(table.model_dump(mode="json"), context.digest(context.folder / file)),
-            work=partial(scale_record, name, table),
-            inputs=(file,),
-        )
-        for key, (name, table) in tables.items()
-        for _, file in table.files()
-    }
-    records = dict(zip(tasks, perform(tasks.values()).values(), strict=True))
-    return {
-        key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder))
-        for key, (name, table) in tables.items()
-    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
