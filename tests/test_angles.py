@@ -61,6 +61,12 @@ def test_draws_about_upright_finger_accepted() -> None:
         Placement(PAD, wedge_angle=np.pi / 2 + 0.1)
 
 
+def test_a_right_angle_may_come_in_single_precision() -> None:
+    right = np.radians(np.array([0, 90], np.float32))  # rounded up, beyond π/2
+    placement = Placement(PAD, wedge_angle=right, roll_angle=-right)
+    np.testing.assert_allclose(placement.normal, [[1, 0, 0], [0, 1, 0]], atol=1e-7)
+
+
 def test_kernels_broadcast_nan() -> None:
     radius = radius_at(wedge_angle=np.array([0.5, np.nan]), roll_angle=np.array([[0.0], [np.nan]]))
     assert np.isnan(radius).tolist() == [[False, True], [True, True]]

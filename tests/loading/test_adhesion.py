@@ -83,6 +83,14 @@ def adhesive(*, seed: int = 0, rows: int = 300, area: bool = True, **truth: floa
     )
 
 
+@pytest.mark.parametrize(
+    "change", [{"loading_radius": -1.0}, {"youngs_modulus": 0.0}, {"work_of_adhesion": -1e-6}]
+)
+def test_no_body_has_a_tabor_parameter_of_negative_radius_modulus_or_work(change) -> None:
+    given = {"loading_radius": 10.0, "youngs_modulus": 0.04, "work_of_adhesion": 50e-6}
+    assert np.isnan(tabor_parameter(**given | change))
+
+
 def test_fit_of_a_record_with_areas() -> None:
     truth = {"youngs_modulus": 0.04, "work_of_adhesion": 150e-6}
     curve = adhesive(**truth)

@@ -65,6 +65,7 @@ SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [
 NORMAL, GROUPS = Inputs.of(x=(0.0, 1.0)), {"first": ("a",), "others": ("b", "c")}
 TWO, STDS = [1.0, 2.0], [0.1, 0.1]
 THREE_PARTS = SharedErrors(sources=("s",), parts=np.ones((3, 1)), groups=np.zeros((1, 1), int))
+TWICE = {("a", "b"): 0.5, ("b", "a"): 0.4}
 NEGATIVE = "smallest eigenvalue of the correlations must be positive"
 APART = "inputs 'b' and 'c' are correlated but in different groups"
 NO_GROUP = "each value needs its group, found 3 and 2"
@@ -84,11 +85,22 @@ NO_GROUP = "each value needs its group, found 3 and 2"
         (Inputs.of, "no inputs"),
         (lambda: Inputs.of(load=(2, -0.1)), "uncertainty of load must be positive or zero, found -0.1"),
         (lambda: Inputs.of(load=(1, 2, 3)), "load: give a number or .*; found a tuple of 3"),
+        (lambda: Inputs.of(load="2 N"), "load must be numeric, found '2 N'"),
+        (lambda: Inputs.of(load=(2, "1 %")), "standard uncertainty of load must be numeric, found '1 %'"),
+        (lambda: Inputs.of(load=(2, np.nan)), "standard uncertainty of load must be finite, found nan"),
+        (lambda: Inputs.of(load=(2, [0.1, np.inf])), "of load must be finite, found inf at index 1"),
         (lambda: Inputs.of(load=fp.Estimate.unknown("no area")), "load is not known: no area"),
         (lambda: correlated("c", 0.5), "no input 'c'; there are a, b"),
         (lambda: correlated("a", 0.5), "found a with itself"),
         (lambda: correlated("b", 1.5), r"correlation of a and b must be within \[-1, 1\]"),
         (lambda: correlated("b", np.nan), "correlation of a and b .* found nan"),
+        (lambda: correlated("b", "high"), "correlation of a and b must be numeric, found 'high'"),
+        (lambda: Inputs.of(a=(1, 2), correlations={"a": 0.5}), r"two inputs, as \('a', 'b'\), found 'a'"),
+        (lambda: Inputs.of(a=1, b=2, correlations=TWICE), "of a and b is given twice, found 0.5 and 0.4"),
+        (
+            lambda: propagate(lambda x: [x], NORMAL),
+            "must return a mapping from names to outputs, found list",
+        ),
         (lambda: SharedErrors(**SCALE | {"parts": np.ones((3, 2))}), "of 1 sources must have the shape"),
         (lambda: SharedErrors(**SCALE | {"groups": [[0, 1]]}), r"groups must broadcast .* found \(1, 2\)"),
         (lambda: SharedErrors(**SCALE | {"groups": [[0], [-1], [1]]}), "counted from 0, found -1"),
@@ -124,6 +136,8 @@ NO_GROUP = "each value needs its group, found 3 and 2"
         (lambda: pool(TWO, [0.1, -1.0]), "found -1 at index 1"),
         (lambda: pool([1.0, np.nan], STDS), "value to pool must be finite, found nan at index 1"),
         (lambda: pool(TWO, STDS, [[1.0, 3.0], [3.0, 1.0]]), "correlation"),
+        (lambda: pool(TWO, STDS, np.eye(3)), r"shared must have the shape \(2, 2\), found \(3, 3\)"),
+        (lambda: pool(["a"], [1.0]), "values to pool must be numeric"),
         (lambda: pool(TWO, STDS, THREE_PARTS), "each estimate needs its parts, found 2 and 3"),
         (lambda: pool_random_effects(TWO, [0.1, 0.0]), "uncertainty must be positive, found 0 at index 1"),
         (lambda: nested_scatter([1.0, 2.0, 3.0], {"finger": [0, 1]}), NO_GROUP),
@@ -160,7 +174,9 @@ CONTRADICTION = {("palmar", "distal"): 0.9, ("distal", "radial_ulnar"): 0.9, ("p
         ({"image_scale": 0}, "image_scale must be positive"),
         ({"poisson_ratio": (3, 0.1)}, r"poisson_ratio must be within \[-1, 0.5\], found 3"),
         ({"load": (2.0, -0.1)}, "standard uncertainty of load must be positive or zero, found -0.1"),
-        ({"load": (2.0, np.nan)}, "covariance must be finite"),
+        ({"load": (2.0, np.nan)}, "standard uncertainty of load must be finite"),
+        ({"load": ([1, 2], [1, 2, 3])}, r"found load \(2,\), standard uncertainty of load \(3,\)"),
+        ({"load": ([1, 2], 0.1), "palmar": ([1, 2, 3], 0)}, r"found palmar \(3,\), load \(2,\)"),
         ({"wedge": 0.5}, "no quantity 'wedge'; there are palmar, distal, .*semi_minor, thickness"),
         ({"contact_radius": 6.0}, "no quantity 'contact_radius'"),
         ({"correlations": {("palmar", "distl"): 0.9}}, "no input 'distl'; there are palmar, distal,"),

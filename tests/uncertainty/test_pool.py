@@ -23,6 +23,8 @@ def test_exact_and_tiny_uncertainties() -> None:
     assert pooled.value == pytest.approx(1.0)
     assert np.isfinite(pooled.std)
     assert pool([1.0, 1.0], [1e-200, 1.0]).value == 1.0
+    exact = pool([1.0, 2.0], [0.0, 0.0])  # which weigh the same, however far apart
+    assert (exact.value, exact.std) == pytest.approx((1.5, 0.5))
 
 
 @pytest.mark.parametrize("seed", range(4))

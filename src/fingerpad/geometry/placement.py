@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,6 +32,9 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
 
+_UPRIGHT: Final = float(np.float32(np.pi / 2))  # in single precision 4e-8 above π/2
+
+
 def checked_placement(
     wedge_angle: ArrayLike, roll_angle: ArrayLike, *, margin: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
@@ -39,9 +42,9 @@ def checked_placement(
     wedge, roll = broadcast_named(wedge_angle=wedge_angle, roll_angle=roll_angle)
     for name, angle, lowest, limits in (
         ("wedge_angle", wedge, 0.0, "0 and π/2"),
-        ("roll_angle", roll, -np.pi / 2, "-π/2 and π/2"),
+        ("roll_angle", roll, -_UPRIGHT, "-π/2 and π/2"),
     ):
-        outside = (angle.real < lowest - margin) | (angle.real > np.pi / 2 + margin)
+        outside = (angle.real < lowest - margin) | (angle.real > _UPRIGHT + margin)
         check_all(~outside, name, angle.real, f"between {limits} ({IN_RADIANS})", GeometryError)
     return wedge, roll
 

@@ -11,6 +11,7 @@ yielding stage are the fit's (`fingerpad.loading.joint`), and no law's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -19,7 +20,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast_named
 from fingerpad._display import Displayed
 from fingerpad.contact.fast_laws import press
 from fingerpad.exceptions import FitError
@@ -385,7 +386,7 @@ def tabor_parameter(
     Returns
     -------
     float
-        μ.
+        μ; NaN where R, E or z₀ is not positive, or w negative.
 
     Examples
     --------
@@ -394,6 +395,8 @@ def tabor_parameter(
     >>> print(f"{tabor_parameter(loading_radius=10, youngs_modulus=0.04, work_of_adhesion=50e-6):.2g}")
     6.9e+04
     """
+    if not (min(loading_radius, youngs_modulus, range_of_adhesion) > 0 and work_of_adhesion >= 0):
+        return math.nan
     modulus = youngs_modulus / (1 - poisson_ratio**2)
     return float((loading_radius * work_of_adhesion**2 / (modulus**2 * range_of_adhesion**3)) ** (1 / 3))
 
@@ -591,7 +594,9 @@ def secant_modulus(
     >>> print(f"{1000 * secant_modulus(2.0, 1.806, loading_radius=20.5):.1f} kPa")
     102.4 kPa
     """
-    W, xi, radius, ratio = broadcast(load, indentation, loading_radius, poisson_ratio)
+    W, xi, radius, ratio = broadcast_named(
+        load=load, indentation=indentation, loading_radius=loading_radius, poisson_ratio=poisson_ratio
+    )
     return np.where(xi > 0, 3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * xi**1.5), np.nan)[()]
 
 
@@ -622,6 +627,6 @@ def sphere_ratio(indentation: ArrayLike, area: ArrayLike, *, loading_radius: Arr
     >>> sphere_ratio([0.9, 1.3], [60.0, 90.0], loading_radius=14.5).round(2)
     array([0.56, 0.53])
     """
-    xi, A, radius = broadcast(indentation, area, loading_radius)
+    xi, A, radius = broadcast_named(indentation=indentation, area=area, loading_radius=loading_radius)
     touching = (xi > 0) & (A > 0)
     return np.where(touching, radius * np.pi * xi / A, np.nan)[()] ** 1.5

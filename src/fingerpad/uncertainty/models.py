@@ -406,11 +406,11 @@ def pad_uncertainty(
     ------
     GeometryError
         If a wedge angle lies outside [0, π/2], a roll outside [−π/2, π/2] or ν outside [−1, 0.5], the
-        standard uncertainty of an angle is larger than π/2, a length or the image scale is not positive, or
-        the load is negative.
+        standard uncertainty of an angle is larger than π/2, a length or the image scale is not positive, the
+        load is negative, or the shapes do not broadcast.
     UncertaintyError
-        If a quantity is missing or has no such name, a standard uncertainty is negative or NaN, or the
-        correlations cannot be those of these quantities.
+        If a quantity is missing, has no such name or is no number, a standard uncertainty is negative or not
+        finite, or the correlations cannot be those of these quantities.
 
     Examples
     --------

@@ -302,8 +302,11 @@ def _between_variance(values: FloatArray, stds: FloatArray) -> tuple[float, floa
 
 
 def _representable(values: FloatArray, stds: FloatArray) -> FloatArray:
-    """Return standard uncertainties not below the spacing of doubles at the values, so that none is zero."""
-    return np.maximum(stds, np.spacing(np.abs(values)))
+    """Return standard uncertainties not below the spacing of doubles at the values, so that none is zero.
+
+    It is the same for all, as exact values weigh the same.
+    """
+    return as_float_array(np.maximum(stds, np.spacing(np.abs(values).max())))
 
 
 def _inverse_variance_weights(stds: FloatArray) -> FloatArray:
@@ -317,7 +320,10 @@ def _shared_variance(shared: Shared, weights: FloatArray) -> float:
     if shared is None:
         return 0.0
     if not isinstance(shared, SharedErrors):
-        matrix = covariance_of(np.broadcast_to(as_float_array(shared), (weights.size, weights.size)))
+        matrix, shape = as_float_array(shared, "shared", UncertaintyError), (weights.size, weights.size)
+        if matrix.shape not in ((), shape):
+            raise UncertaintyError(f"shared must have the shape {shape}, found {matrix.shape}")
+        matrix = covariance_of(np.broadcast_to(matrix, shape))
         return float(weights @ matrix @ weights)
     if len(shared.parts) != weights.size:
         raise UncertaintyError(f"each estimate needs its parts, found {weights.size} and {len(shared.parts)}")
@@ -326,7 +332,8 @@ def _shared_variance(shared: Shared, weights: FloatArray) -> float:
 
 def _estimates(values: ArrayLike, stds: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return estimates and their standard uncertainties as arrays, checked."""
-    values, stds = as_float_array(values).reshape(-1), as_float_array(stds).reshape(-1)
+    values = as_float_array(values, "values to pool", UncertaintyError).reshape(-1)
+    stds = as_float_array(stds, "standard uncertainties", UncertaintyError).reshape(-1)
     if values.size == 0:
         raise UncertaintyError("no estimates to pool; at least one row must have been measured")
     if values.shape != stds.shape:

@@ -17,6 +17,7 @@ from fingerpad._arrays import (
     as_float_array,
     check_all,
     check_radians,
+    check_shapes,
     set_fields,
 )
 from fingerpad._display import Displayed, titled_lines
@@ -103,8 +104,11 @@ class Inputs(Displayed):
         Raises
         ------
         UncertaintyError
-            If a quantity is an array, a list or an unknown `Estimate`, a standard uncertainty is negative, a
-            correlation lies outside [−1, 1] or is not that of two of the inputs, or nothing is given.
+            If a quantity is an array, a list, no number or an unknown `Estimate`, a standard uncertainty is
+            negative or not finite, a correlation lies outside [−1, 1], is not that of two of the inputs or is
+            given twice, or nothing is given.
+        GeometryError
+            If the shapes do not broadcast.
 
         Examples
         --------
@@ -118,6 +122,8 @@ class Inputs(Displayed):
         if not quantities:
             raise UncertaintyError("no inputs: give each by name, as load=(2, 0.02)")
         pairs = [_value_and_std(name, quantity) for name, quantity in quantities.items()]
+        shapes = {name: np.broadcast(*pair).shape for name, pair in zip(quantities, pairs, strict=True)}
+        check_shapes(**{name: shape for name, shape in shapes.items() if shape})
         arrays = np.broadcast_arrays(*(array for pair in pairs for array in pair))
         mean, std = np.stack(arrays[::2], axis=-1), np.stack(arrays[1::2], axis=-1)
         names = tuple(quantities)
@@ -125,13 +131,9 @@ class Inputs(Displayed):
         uncorrelated = cls(
             names=names, mean=mean, covariance=covariance, groups={name: (name,) for name in names}
         )
-        for pair, given in (correlations or {}).items():
+        for pair in correlations or {}:
+            value = _correlation(pair, correlations or {})
             one, other = uncorrelated.places(pair)
-            value = as_float_array(given)
-            if one == other:
-                raise UncertaintyError(f"a correlation is that of two inputs, found {pair[0]} with itself")
-            what = f"correlation of {pair[0]} and {pair[1]}"
-            check_all(np.abs(value) <= 1, what, value, "within [-1, 1]", UncertaintyError)
             product = value * std[..., one] * std[..., other]
             covariance[..., [one, other], [other, one]] = product[..., None]
         return replace(uncorrelated, covariance=covariance)
@@ -313,6 +315,9 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
     Complex points ask for derivatives, and outputs that lose them are refused.
     """
     outputs = model(**dict(zip(names, np.moveaxis(points, -1, 0), strict=True)))
+    if not isinstance(outputs, Mapping):
+        found = type(outputs).__name__
+        raise UncertaintyError(f"the model must return a mapping from names to outputs, found {found}")
     real = [name for name, output in outputs.items() if not np.iscomplexobj(output)]
     if real and np.iscomplexobj(points):
         raise UncertaintyError(
@@ -337,6 +342,22 @@ def check_inputs(model: Model, inputs: Inputs) -> None:
             check_radians(name, inputs.mean[..., place])
 
 
+def _correlation(pair: Any, correlations: Mapping[tuple[str, str], ArrayLike]) -> FloatArray:
+    """Return the correlation of two inputs, which may stand in both orders."""
+    if isinstance(pair, str) or len(pair) != 2:
+        raise UncertaintyError(f"a correlation is that of two inputs, as ('a', 'b'), found {pair!r}")
+    first, second = pair
+    if first == second:
+        raise UncertaintyError(f"a correlation is that of two inputs, found {first} with itself")
+    what = f"correlation of {first} and {second}"
+    given = correlations[pair], correlations.get((second, first), correlations[pair])
+    value, again = (as_float_array(each, what, UncertaintyError) for each in given)
+    check_all(np.abs(value) <= 1, what, value, "within [-1, 1]", UncertaintyError)
+    if not np.array_equal(value, again):
+        raise UncertaintyError(f"{what} is given twice, found {value} and {again}")
+    return value
+
+
 def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
     """Return a quantity as its value and standard uncertainty, zero where it is exact."""
     if isinstance(quantity, Estimate):
@@ -345,16 +366,20 @@ def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
         quantity = quantity.value, quantity.std
     pair = isinstance(quantity, tuple)
     if not pair and np.ndim(quantity) == 0:
-        return as_float_array(quantity), np.zeros(())
+        return as_float_array(quantity, name, UncertaintyError), np.zeros(())
     if not pair or len(quantity) != 2:
         kind = "list" if isinstance(quantity, list) else "tuple" if pair else "array"
         raise UncertaintyError(
             f"{name}: give a number or a tuple (value, standard uncertainty), exact arrays as (values, 0); "
             f"found {'an' if kind == 'array' else 'a'} {kind} of {len(quantity)}"
         )
-    value, std = map(as_float_array, quantity)
-    # NaN is refused with the covariance, where that is propagated.
-    check_all(~(std < 0), f"standard uncertainty of {name}", std, "positive or zero", UncertaintyError)
+    what = f"standard uncertainty of {name}"
+    value, std = (
+        as_float_array(each, of, UncertaintyError) for each, of in zip(quantity, (name, what), strict=True)
+    )
+    check_all(~(std < 0), what, std, "positive or zero", UncertaintyError)
+    check_all(np.isfinite(std), what, std, "finite", UncertaintyError)
+    check_shapes(**{name: value.shape, what: std.shape})
     return value, std
 
 
