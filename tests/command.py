@@ -20,3 +20,17 @@ def run_json(*arguments: object) -> Any:
     code, out, err = run(*arguments, "--json")
     assert (code, err) == (0, "")
     return json.loads(out)
+
+
+def printed(*arguments: object) -> str:
+    """Return what a command prints that ends well, whatever it notes besides."""
+    code, out, err = run(*arguments)
+    assert code == 0, err
+    return out
+
+
+def refusal(*arguments: object) -> str:
+    """Return on one line what a command says that refuses its arguments and prints nothing."""
+    code, out, err = run(*arguments)
+    assert (code, out, "Traceback" in err) == (2, "", False), err
+    return " ".join(err.replace("│", " ").split())

@@ -1,6 +1,7 @@
 """How tests write a small study: a finger of known semi-axes, and what was measured of it."""
 
 import csv
+import hashlib
 import json
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -159,6 +160,22 @@ def summary_of(out: Path) -> dict[str, Any]:
     """Return the content of summary.json, as a script reads it."""
     content: dict[str, Any] = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     return content
+
+
+RESULT_TABLES = ("results.csv", "results.json", "results_columns.csv", "summary.json")
+
+
+def write_sums(folder: Path) -> Path:
+    """List the files of a folder as a run does, by other means; tables that are missing are made, empty."""
+    for name in RESULT_TABLES:
+        (folder / name).touch()
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "SHA256SUMS")
+    lines = [
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}\n"
+        for path in files
+    ]
+    (folder / "SHA256SUMS").write_text("".join(lines), encoding="utf-8")
+    return folder
 
 
 def write_numbers(path: Path, header: str, rows: ArrayLike) -> None:

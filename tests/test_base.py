@@ -1,11 +1,20 @@
-"""Small functions below all packages: cells, names, doubts and rounded numbers."""
+"""Small functions below all packages: cells, names, doubts, rounded numbers, and digests of values."""
+
+import csv
+import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
 from pydantic_core import SchemaError
 
+from fingerpad import Estimate
 from fingerpad._columns import columns_in_toml, header_parts
-from fingerpad._csv import csv_cell
+from fingerpad._csv import csv_cell, csv_text, escape_formula, unescape_formula
+from fingerpad._digest import digest_of_values
 from fingerpad._display import short_text
 from fingerpad._files import file_stem
 from fingerpad._plausible import load_doubts, semi_axes_doubt
@@ -16,6 +25,8 @@ from fingerpad._rounding import (
     value_with_uncertainty,
 )
 from fingerpad.exceptions import ImageError, is_interrupt, reason_of
+from fingerpad.study.manifest.models import Uncertainty
+from fingerpad.study.results.table import COLUMNS, table_of
 
 
 @pytest.mark.parametrize(
@@ -100,3 +111,65 @@ def test_an_interrupt_is_one_in_whatever_error_it_comes() -> None:
     assert is_interrupt(imported)
     assert is_interrupt(model)
     assert not is_interrupt(SchemaError("Error building"))
+
+
+FORMULAS = ('=HYPERLINK("x")', "+1+1", "-x", "-", "@SUM(A1)", "\t=1", "\r=1", "-1.5e", "-1 -2", "+1;=2")
+NUMBERS = ("-1.5", "+2", "-1e-7", "-.5", "-5, 3.5", "1,2")
+TEXTS = st.text(st.one_of(st.sampled_from("='+-@\t\r\n, 1.\""), st.characters(codec="utf-8")), max_size=8)
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_formula_becomes_text(text: str) -> None:
+    assert escape_formula(text) == f"'{text}"
+    assert unescape_formula(f"'{text}") == text
+
+
+@pytest.mark.parametrize("text", [*NUMBERS, "left_index", "", "'quoted'", "a=b"])
+def test_numbers_and_words_unchanged(text: str) -> None:
+    assert escape_formula(text) == text
+    assert unescape_formula(text) == text
+
+
+@examples(derandomize=True, max_examples=100, database=None)
+@given(st.lists(st.lists(TEXTS, min_size=2, max_size=3), max_size=4))
+@example([["a\rb,30,1", "'=1"]])
+def test_text_round_trip(rows: list[list[str]]) -> None:
+    written = list(csv.reader(io.StringIO(csv_text(rows), newline="")))
+    assert [[unescape_formula(cell) for cell in row] for row in written] == rows
+
+
+ESTIMATE = Estimate.symmetric(1.0, 0.1)
+
+
+def table(*loads: float, word: str = "a"):
+    names = COLUMNS["observation"].array([word] * len(loads))
+    return table_of([{"observation": names, "load_N": np.array(loads)}])
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (1.0, 1.0 + 1e-15),
+        (1, 1.0),
+        (None, "None"),
+        ([1, [2]], [1, 2]),
+        (["ab", "c"], ["a", "bc"]),
+        ({"a": 1}, {"b": 1}),
+        (ESTIMATE, replace(ESTIMATE, interval=(ESTIMATE.lower, 9.0))),
+        (np.zeros(2), np.zeros((2, 1))),
+        (np.zeros(2), np.zeros(2, dtype=np.float32)),
+        (np.array(["a", None], dtype=object), np.array(["a", "None"], dtype=object)),
+        (table(1.0, 2.0), table(1.0)),
+        (table(1.0), table(1.0, word="b")),
+        (Uncertainty(load_relative_std=0.0), Uncertainty()),
+    ],
+    ids=str,
+)
+def test_what_differs_is_told_apart(one: object, other: object) -> None:
+    assert digest_of_values(one) != digest_of_values(other)
+
+
+def test_what_is_the_same_is_the_same() -> None:
+    assert digest_of_values({"x", "y", "z"}) == digest_of_values({"z", "y", "x"})
+    assert digest_of_values(table(5.0, 1.0)[1:]) == digest_of_values(table(1.0))
+    assert digest_of_values([ESTIMATE]) == digest_of_values([replace(ESTIMATE)])

@@ -10,7 +10,6 @@ import pytest
 import tifffile
 from PIL import Image
 
-from fingerpad import Estimate
 from fingerpad._arrays import as_float_array
 from fingerpad.contact import (
     Tissue,
@@ -70,8 +69,7 @@ FACE = {"face": "palmar", "semi_axes": (11.8, 13.8), "covariance": 0.01 * np.eye
 GAP_TO_SOLVE = {"gap": lambda x, y: (x**2 + y**2) / 20, "tissue": Tissue(0.1), "load": 1.0}
 STROKE = {"action": "add", "points": [(9, 9)], "radius": 2}
 CENTRE = {"centre": (9, 9)}
-
-
+MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
 AGAINST_A_BALL = Placement(PAD, wedge_angle=0.5, counterface=Counterface.sphere(10.0))
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
 
@@ -132,6 +130,8 @@ INVALID = {
         (lambda: Counterface(radius=0), "radius must be positive, found 0"),
         (lambda: Counterface(radius=np.nan), "radius must be positive, found nan"),
         (lambda: Counterface.cylinder(1.0, axis_angle=np.nan), "axis_angle must be finite, found nan"),
+        (lambda: Ellipsoid(MASKED, 12.0, 13.0), "found nan"),
+        (lambda: Tissue(MASKED), "found nan"),
         (lambda: Gap(first_radius=-1, **GAP), "first_radius must be positive, found -1"),
         (lambda: Gap(first_radius=12, **GAP | {"second_radius": 0}), "second_radius must be positive"),
         (lambda: solve_gap(**GAP_TO_SOLVE, half_widths=(3, 0)), "half_widths must be two posit"),
@@ -139,11 +139,29 @@ INVALID = {
     LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
         (lambda: LoadingCurve(load=["a"], indentation=[0]), r"load must be numeric, found \['a'\]"),
+        (lambda: LoadingCurve(load=MASKED, indentation=np.arange(3.0)), "load is not finite in row 2"),
         (lambda: ForceSignal([0, 1], ["a", "b"]), "load must be numeric"),
         (lambda: FrameRate("a"), "frames_per_second must be numeric, found 'a'"),
         (lambda: FrameRate(10, anchor_frame=np.nan), "anchor_frame must be a whole number or None"),
         (lambda: PhaseIntervals([0, 1], ["x", "hold"]), "phase must be one of before, loading.*found 'x'"),
         (lambda: PhaseIntervals([0, "b"], ["loading", "hold"]), "start must be numeric"),
+    ],
+    UncertaintyError: [
+        (lambda: pool(MASKED, [0.1, 0.1, 0.1]), "value to pool must be finite, found nan at index 1"),
+        (
+            lambda: pool_random_effects([9.0, 9.0, 9.0], MASKED),
+            "standard uncertainty must be .*, found nan at",
+        ),
+    ],
+    # Sequences are refused where they are called, not where they are iterated over.
+    FingerpadError: [
+        (lambda: measure_sequence("none.tif", 0.05), "no such file"),
+        (lambda: measure_sequence(1.0, 0.05), "frames must be a path, .*found float"),
+        (lambda: measure_sequence(np.zeros((3, 40, 30)), 0.05), "frames must be a path, .*found ndarray"),
+        (lambda: measure_sequence((frame for frame in ()), 0.05), "a generator only once"),
+        (lambda: measure_sequence([], 500), "mm_per_px must be between"),
+        (lambda: measure_frames([], "500", None), "mm_per_px must be numeric, found '500'"),
+        (lambda: measure_sequence([], 0.05, force=ForceSignal([0, 1], [0, 1])), "force and phases need"),
     ],
     CalibrationError: [
         (lambda: Scale("a"), "mm_per_px must be numeric, found 'a'"),
@@ -191,15 +209,11 @@ def test_monte_carlo_draws_accepted() -> None:
     assert np.isnan(pad_model(**varied, **pad, **image, load=2.0)["indentation"]).tolist() == [False, True]
 
 
-def propagated(load: float) -> Estimate:
-    return propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(load, 0.1)))["double"]
-
-
 SCALARS = [
     *(PAD, SOFT, BODIES, BODIES.gap, PLACED, PLACED.gap, PLACED.curvature, Ellipse(7.4, 5)),
     *(model(PLACED, SOFT, load=1) for model in (hertz_contact, fast_contact)),
     hertz_contact(BODIES, SOFT, area=80),
-    propagated(2),
+    propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(2, 0.1)))["double"],
 ]
 RESULTS = {
     "parametric angle": lambda: PAD.parametric_angles([1.0, 0, 0])[0],
@@ -256,24 +270,6 @@ def test_sequence_arguments(tmp_path: Path) -> None:
     assert scan_texture(frames, size).busiest == (0, 1)
 
 
-# None of them is iterated over: they are refused where they are called.
-SEQUENCES = {
-    "no such file": lambda: measure_sequence("none.tif", 0.05),
-    "frames must be a path, .*found float": lambda: measure_sequence(1.0, 0.05),
-    "frames must be a path, .*found ndarray": lambda: measure_sequence(np.zeros((3, 40, 30)), 0.05),
-    "a generator only once": lambda: measure_sequence((frame for frame in ()), 0.05),
-    "mm_per_px must be between": lambda: measure_sequence([], 500),
-    "mm_per_px must be numeric, found '500'": lambda: measure_frames([], "500", None),
-    "force and phases need": lambda: measure_sequence([], 0.05, force=ForceSignal([0, 1], [0, 1])),
-}
-
-
-@pytest.mark.parametrize("message", SEQUENCES)
-def test_sequences_refused_at_call(message: str) -> None:
-    with pytest.raises(FingerpadError, match=message):
-        SEQUENCES[message]()
-
-
 def test_photograph_coin_and_curve_by_path(tmp_path: Path) -> None:
     truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     Image.fromarray(truth.pixels).save(tmp_path / "finger.png")
@@ -290,9 +286,6 @@ def test_photograph_coin_and_curve_by_path(tmp_path: Path) -> None:
 # Arrays as they come in: masked entries are missing everywhere
 
 
-MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
-
-
 @pytest.mark.parametrize("kind", [int, np.uint8, np.float32, float, complex])
 def test_masked_entries_become_nan(kind) -> None:
     values = np.ma.masked_array([1, 2, 3], mask=[False, True, False], dtype=kind)
@@ -307,19 +300,6 @@ def test_masked_entries_become_nan(kind) -> None:
 def test_kernels_with_masked_entries() -> None:
     contact = hertz_contact(Paraboloid(10.0, 10.0), Tissue(0.1), load=MASKED)
     assert np.isnan(contact.indentation).tolist() == [False, True, False]
-
-
-def test_masked_values_refused() -> None:
-    with pytest.raises(UncertaintyError, match="value to pool must be finite, found nan at index 1"):
-        pool(MASKED, [0.1, 0.1, 0.1])
-    with pytest.raises(UncertaintyError, match="standard uncertainty must be .*, found nan at index 1"):
-        pool_random_effects([10.0, 11.0, 12.0], MASKED)
-    with pytest.raises(GeometryError, match="found nan"):
-        Ellipsoid(MASKED, 12.0, 13.0)
-    with pytest.raises(GeometryError, match="found nan"):
-        Tissue(MASKED)
-    with pytest.raises(LoadingError, match="load is not finite in row 2"):
-        LoadingCurve(load=MASKED, indentation=np.arange(3.0))
 
 
 @pytest.mark.parametrize(

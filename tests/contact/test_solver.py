@@ -170,19 +170,15 @@ def test_the_lowest_point_need_not_lie_on_the_first_grid(given: dict[str, float]
 @pytest.mark.parametrize(
     ("gap", "given"),
     [
+        (lambda x, y: 0 * x * y, {"load": 1.0}),
         (lambda x, y: 5 + x**2 + y**2, {"indentation": 1.0}),
         *((lambda x, y: x - y, given) for given in ({"indentation": 1.0}, {"area": 30.0}, {"load": 0.4})),
         (lambda x, y: np.full_like(x + y, np.nan), {"load": 0.4}),
     ],
 )
 def test_a_gap_that_does_not_close_is_refused(gap, given: dict[str, float]) -> None:
-    with pytest.raises((GeometryError, ConvergenceError), match="gap"):
+    with pytest.raises((GeometryError, ConvergenceError), match="gap|did not settle on the contact"):
         solve_gap(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
-
-
-def test_no_convergence_without_edge() -> None:
-    with pytest.raises(ConvergenceError, match="did not settle on the contact"):
-        solve_gap(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)
 
 
 @pytest.mark.parametrize("degrees", [-80, -45, -10, 10, 45, 80])

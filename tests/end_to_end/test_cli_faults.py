@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from benchmarks.robustness.damaged_commands import try_commands
 from PIL import Image
 from tests import command
 from tests.studies import contact, finger, write_study
@@ -234,3 +235,10 @@ def test_endless_files_refused(tmp_path: Path) -> None:
     )
     assert done.stdout == 3 * "2  fingerpad: /dev/zero: is a device, not a file\n"
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_commands_answer_or_refuse(tmp_path):
+    found = try_commands(tmp_path, 15)
+    assert found.faults == []
+    outcomes = {outcome for _, outcome in found.counts}
+    assert outcomes == {"accepted", "refused"}

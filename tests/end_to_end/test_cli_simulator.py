@@ -22,15 +22,11 @@ STDS = {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3}
 THICK = {"effective_thickness_mm": 6, "effective_thickness_mm_std": 0.5}
 
 
-def run(*arguments: object) -> tuple[int, str, str]:
-    code, out, err = command.run("simulator", *arguments)
-    return code, out, " ".join(err.replace("│", " ").split())
-
-
 def run_json(*arguments: object):
-    code, out, err = run(*arguments, "--json")
+    """Return what the command prints with ``--json``, and what it notes, on one line."""
+    code, out, err = command.run("simulator", *arguments, "--json")
     assert code == 0, err
-    return json.loads(out), err
+    return json.loads(out), " ".join(err.split())
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +67,7 @@ def test_json_has_all_targets() -> None:
 
 def test_text_has_the_same_numbers() -> None:
     stds = ("--youngs-modulus-kpa-std", 5, "--thickness-mm-std", 1, "--semi-axes-mm-std", 0.1)
-    code, out, _ = run(*USUAL, *stds)
-    assert code == 0
+    out = command.printed("simulator", *USUAL, *stds)
     record, _ = run_json(*USUAL, *stds)
     newton = record["newton"]
     kh = value_with_uncertainty(newton["kh_N_per_m3"] / 1e6, newton["kh_N_per_m3_std"] / 1e6)
@@ -132,6 +127,4 @@ BAD = [
 
 @pytest.mark.parametrize(("given", "message"), BAD)
 def test_bad_input(results, given, message) -> None:
-    code, out, err = run(*(results.get(word, word) for word in given))
-    assert (code, out) == (2, "")
-    assert message in err
+    assert message in command.refusal("simulator", *(results.get(word, word) for word in given))

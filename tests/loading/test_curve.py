@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fingerpad._columns import ColumnsError
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import LoadingCurve, find_cycles, read_loading_curve
+from fingerpad.loading import read_loading_curve
 from fingerpad.loading.curve import unread_curve_columns
 
 
@@ -120,12 +120,6 @@ def test_columns_that_look_like_what_is_missing(
     assert unread_curve_columns(path) == unread
 
 
-def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
-    path = write(tmp_path, "force_N,Fz_N,displacement_mm\n1,10,3\n")
-    with pytest.raises(LoadingError, match="no quantity 'load'; there are force, displacement, area, time"):
-        read_loading_curve(path, {"load": "Fz_N:N"})
-
-
 @pytest.mark.parametrize(
     ("header", "unit"),
     [("Force (mN)", "N"), ("Fz / mN", "N"), ("force_mN", "N"), ("Normal load [N]", "gf"), ("Load mN", "N")],
@@ -150,6 +144,22 @@ def test_grams_of_a_force_are_grams_force(tmp_path: Path) -> None:
 def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path) -> None:
     path = write(tmp_path, "\ufeffKanal_N,disp (µm)\n1,2\n")  # N may number the channel
     assert read_loading_curve(path, {"force": "Kanal_N:mN", "displacement": "disp (µm):um"}).load[0] == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"force": "Fz:N"}, "no column 'Fz' for force"),
+        ({"force": "force_N:stone"}, "has unit 'stone'"),
+        ({"load": "force_N:N"}, "no quantity 'load'; there are force, displacement, area, time"),
+    ],
+)
+def test_columns_that_are_none_are_refused(tmp_path: Path, columns: dict[str, str], message: str) -> None:
+    path = write(tmp_path, "force_N,displacement_mm\n1,2\n")
+    with pytest.raises(LoadingError, match=message):
+        read_loading_curve(path, columns)
+    with pytest.raises(LoadingError, match=r"none\.csv: no such file: check the path"):
+        read_loading_curve(tmp_path / "none.csv", columns)
 
 
 TWO_WAYS = "decimal commas need semicolons or tabs between cells"
@@ -179,19 +189,3 @@ def test_error_messages(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(LoadingError, match=message) as caught:
         read_loading_curve(write(tmp_path, text))
     assert "curve.csv" in str(caught.value)
-
-
-def test_unreadable_files(tmp_path: Path) -> None:
-    with pytest.raises(LoadingError, match=r"none\.csv: no such file: check the path"):
-        read_loading_curve(tmp_path / "none.csv")
-    path = write(tmp_path, "force_N,displacement_mm\n1,2\n")
-    with pytest.raises(LoadingError, match="no column 'Fz' for force"):
-        read_loading_curve(path, {"force": "Fz:N"})
-    with pytest.raises(LoadingError, match="has unit 'stone'"):
-        read_loading_curve(path, {"force": "force_N:stone"})
-
-
-def test_a_record_of_the_way_out_alone_is_named() -> None:
-    depth = np.linspace(2, -1, 100)
-    with pytest.raises(LoadingError, match="the way out alone"):
-        find_cycles(LoadingCurve(load=np.maximum(depth, 0) ** 1.5, indentation=depth))

@@ -48,6 +48,7 @@ def test_hysteresis_is_loop_area(share: float) -> None:
 
 
 CURVE = simulate_loading_curve(points=300, **NOISE)
+WAY_OUT = {"load": np.maximum(np.linspace(2, -1, 300), 0) ** 1.5, "indentation": np.linspace(2, -1, 300)}
 
 
 @pytest.mark.parametrize(
@@ -69,6 +70,8 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
             "no contact in the record",
         ),
         ({"area": -CURVE.area}, LoadingError, "contact area falls"),
+        ({"area": np.full(300, np.nan)}, LoadingError, "area is unknown in every row: leave it out"),
+        (WAY_OUT | {"area": None, "time": None}, LoadingError, "the way out alone"),
     ],
 )
 def test_invalid_records(columns: dict, kind: type[FingerpadError], message: str) -> None:
@@ -92,11 +95,6 @@ def test_nan_and_unequal_lengths_refused(name: str) -> None:
     if name != "load":
         with pytest.raises(LoadingError, match=f"{name} has shape"):
             replace(CURVE, **{name: values[:9]})
-
-
-def test_a_column_of_unknown_areas_is_refused() -> None:
-    with pytest.raises(LoadingError, match="area is unknown in every row: leave it out"):
-        replace(CURVE, area=np.full_like(CURVE.load, np.nan))
 
 
 def test_time_checks() -> None:
@@ -295,9 +293,5 @@ def test_times_outside_record_undetermined() -> None:
     slow = relaxation(relaxation=[(0.5, 60.0)], seed=4)
     assert slow.terms
     assert all("slower than the hold" in term.time.reason for term in slow.terms)
-
-
-def test_hold_and_times_required() -> None:
-    curve = simulate_loading_curve(points=100)
     with pytest.raises(FitError, match="no hold"):
-        fit_relaxation(curve, find_cycles(curve)[0], 1.0)
+        relaxation(hold=0.0)

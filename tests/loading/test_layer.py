@@ -165,6 +165,7 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
+        ("placement", Placement(PLACED.ellipsoid, wedge_angle=[0.5, 0.6])),
         ("radius_std", -1.0),
         ("radius_ratio_std", np.inf),
         ("poisson_ratio", 0.2),
@@ -177,13 +178,7 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
 )
 def test_bad_arguments_are_named(name, wrong) -> None:
     with pytest.raises(LoadingError, match=name):
-        fit_layer_thickness(curve_on(6.0), placement=SPHERE, **{name: wrong})
-
-
-def test_one_pad_at_a_time() -> None:
-    two = Placement(PLACED.ellipsoid, wedge_angle=[0.5, 0.6])
-    with pytest.raises(LoadingError, match=r"of one pad, found placements of shape \(2,\)"):
-        fit_layer_thickness(curve_on(6.0), placement=two, radius_std=1.0)
+        fit_layer_thickness(curve_on(6.0), **{"placement": SPHERE, name: wrong})
 
 
 def test_an_error_of_one_scale_is_one_error_of_pad_and_areas() -> None:

@@ -180,14 +180,8 @@ def test_mujoco_damping_ratio() -> None:
     assert decrement / math.hypot(2 * math.pi, decrement) == pytest.approx(0.2, rel=0.01)
 
 
-STDS = {
-    "youngs_modulus": 0.005,
-    "thickness": 0.5,
-    "palmar": 0.1,
-    "distal": 0.2,
-    "radial_ulnar": 0.3,
-    "wedge_angle": 0.02,
-}
+AXES_STD = {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3}
+STDS = {"youngs_modulus": 0.005, "thickness": 0.5, "wedge_angle": 0.02, **AXES_STD}
 
 
 def numbers(law):

@@ -69,13 +69,9 @@ def write(folder, files, folders, ways):
     return used
 
 
-def bundle_of(folder, out=None):
-    return Bundle(folder, out or folder / "results", load_study(folder / "study.toml").files())
-
-
 def round_trip(folder, out=None):
     """Export a study and import it again; return what was exported, and the new folder."""
-    found = bundle_of(folder, out)
+    found = Bundle(folder, out or folder / "results", load_study(folder / "study.toml").files())
     target, other = folder.parent / "study.zip", folder.parent / "other"
     pack(folder, found, target)
     unpack(target, other, ROOM)

@@ -13,8 +13,7 @@ import pytest
 from benchmarks.claims import pooling
 from numpy.testing import assert_allclose
 from tests import command, studies
-from tests.studies import PAD, Table, contact
-from tests.sums import write_sums
+from tests.studies import PAD, Table, contact, write_sums
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.marks import Figure

@@ -13,8 +13,7 @@ from pyarrow import parquet
 from python_calamine import CalamineWorkbook
 from scipy import io
 from tests import command
-from tests.studies import Table, contact, correct, finger, picture, rows_of, write_study
-from tests.sums import write_sums
+from tests.studies import Table, contact, correct, finger, picture, rows_of, write_study, write_sums
 
 import fingerpad as fp
 from fingerpad._csv import package_table

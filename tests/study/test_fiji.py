@@ -4,6 +4,7 @@ import json
 import math
 import struct
 import zipfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -253,8 +254,7 @@ def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path):
 # From the command line
 
 
-def cli(*arguments: object) -> tuple[int, str, str]:
-    return command.run("import", "fiji", *arguments)
+cli, printed = (partial(one, "import", "fiji") for one in (command.run, command.printed))
 
 
 def study_of(folder: Path) -> Path:
@@ -285,8 +285,7 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path):
     results = table(tmp_path, as_table([{"Label": "b.tif", "Major": 14.8, "Minor": 10.0}]))
     study, out = study_of(tmp_path), tmp_path / "observations.csv"
     words = (results, "--unit", "mm", "--std-mm", 0.1, "--finger", "index", "--out", out)
-    code, said, _ = cli(*words)
-    assert code == 0
+    said = printed(*words)
     assert "Fill in wedge_angle_deg, load_N for 1 of them: b\n" in said
     with pytest.raises(ManifestError, match="observations.csv, line 2: wedge_angle_deg: required"):
         run_study(study, tmp_path / "out")
@@ -307,8 +306,7 @@ def test_units_are_asked_for_and_agree(tmp_path):
     rois, bad = zipped(tmp_path, {"a.roi": tilted(0)}), tmp_path / "bad.csv"
     common = ("--std-mm", 0.1, "--json", "--out")
     for number, arguments in enumerate([(in_px, "--mm-per-px", 0.05), (in_um, "--unit", "um")]):
-        code, said, _ = cli(*arguments, *common, tmp_path / f"{number}.csv")
-        assert code == 0
+        said = printed(*arguments, *common, tmp_path / f"{number}.csv")
         assert json.loads(said)[0]["semi_major_mm"] == pytest.approx(7.4)
     for arguments, message in [
         ((in_px,), "Fiji's files name no unit: for lengths in px give either --ppi"),

@@ -15,7 +15,7 @@ import pytest
 from filelock import FileLock
 from PIL import Image
 from tests import command
-from tests.studies import contact, correct, finger, run_watched, write_study
+from tests.studies import RESULT_TABLES, contact, correct, finger, run_watched, write_study
 from tests.study.small_study import PICTURES, copy
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -26,8 +26,6 @@ from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import new_result_set, put_in_place, result_files, result_set_faults
 from fingerpad.study.results.table import records
-
-TABLES = ("results.csv", "results.json", "results_columns.csv", "summary.json")
 
 
 def make(folder: Path, rows: int = 3, *, title: str = "T", load: float = 1.0) -> Path:
@@ -58,7 +56,7 @@ def test_the_list_is_one_that_sha256sum_checks(study):
         ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=study / "out", capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert set(result_files(study / "out")) >= set(TABLES)
+    assert set(result_files(study / "out")) >= set(RESULT_TABLES)
 
 
 def test_what_goes_wrong_while_results_are_written_leaves_the_old_ones(study):
@@ -75,7 +73,7 @@ def test_what_goes_wrong_while_results_are_written_leaves_the_old_ones(study):
 
 
 NEW = {
-    **dict.fromkeys(TABLES, b"new"),
+    **dict.fromkeys(RESULT_TABLES, b"new"),
     "report.html": b"new",
     "figures/a.svg": b"new",
     "figures/b.svg": b"new",
@@ -128,7 +126,7 @@ def put_and_die(out: Path, step: int) -> int:
 def test_a_kill_at_any_step_leaves_the_old_results_or_the_new_ones(study, tmp_path):
     """Old and new, whole or named as unfinished; what comes next ends as if nothing had happened."""
     out = study / "out"
-    put(out, {**dict.fromkeys(TABLES, b"old"), "report.html": b"old", "figures/old.svg": b"old"})
+    put(out, {**dict.fromkeys(RESULT_TABLES, b"old"), "report.html": b"old", "figures/old.svg": b"old"})
     before = contents(out)
     outcomes = set()
     step = 1

@@ -225,21 +225,16 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir, to
     assert (out / "report.html").exists()
 
 
-def torn_header(folder: Path) -> None:
-    (folder / "force.csv").write_text("t,F\n1,2\n")
-
-
-def no_frames(folder: Path) -> None:
-    for frame in (folder / "frames").iterdir():
-        frame.unlink()
-
-
 @pytest.mark.parametrize(
     ("keys", "change", "reason"),
     [
         ({"frames_per_second": None}, None, "frames: pictures state no rate: give frames_per_second"),
-        ({}, torn_header, "force.csv: no column time_s or force_N"),
-        ({}, no_frames, "frames: holds no picture"),
+        (
+            {},
+            lambda path: write_numbers(path / "force.csv", "t,F", [[1, 2]]),
+            "force.csv: no column time_s or force_N",
+        ),
+        ({}, lambda path: [*map(Path.unlink, (path / "frames").iterdir())], "frames: holds no picture"),
         ({"contact_load_N": 9}, None, "the force never rises through 9 N"),
         ({"region_of_interest_px": [900, 0, 990, 90]}, None, "region_of_interest"),
     ],

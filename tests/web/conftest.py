@@ -45,6 +45,17 @@ class Client(httpx.Client):
     def tell(self, path, **body):
         return self.study_post(path, **body).json()
 
+    def edit(self, *edits):
+        """Edit the study as it is now, and return its new state."""
+        digest = self.ask("state")["digest"]
+        return self.study_post("edits", expected=digest, edits=edits).raise_for_status().json()
+
+
+def refused(answer, status=422):
+    """Return what an answer says that refuses with this status."""
+    assert answer.status_code == status, answer.text
+    return answer.json()["error"]
+
 
 @contextmanager
 def serving(workspace, access=None, port=0):

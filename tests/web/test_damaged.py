@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 from benchmarks.robustness.damaged_studies import SLOW, add_corrections, ask_mutated, routes
-from tests.sums import write_sums
-from tests.web.conftest import client_of
+from tests.studies import write_sums
+from tests.web.conftest import client_of, refused
 
 
 @pytest.fixture
@@ -49,10 +49,8 @@ def test_damaged_results_are_told_and_every_route_answers(client, folder, name, 
     assert not found["there"]
     (fault,) = found["faults"]
     assert words in fault
-    answer = client.study_get("results/rows")
-    assert answer.status_code == 409
     way_out = "run the study again: nothing that was measured is measured again"
-    assert answer.json()["error"] == f"{fault}: {way_out}"
+    assert refused(client.study_get("results/rows"), 409) == f"{fault}: {way_out}"
     require_words(client)
 
 
@@ -75,8 +73,7 @@ def test_a_study_that_cannot_be_opened_leaves_the_current_one_open(client, folde
     shutil.copytree(folder, folder.parent / "other", ignore=shutil.ignore_patterns("results"))
     (folder.parent / "other" / "corrections.jsonl").write_text("{}\n")
     answer = client.post("/api/session/open", json={"name": "other"})
-    assert answer.status_code == 422
-    assert "corrections.jsonl: line 1" in answer.json()["error"]
+    assert "corrections.jsonl: line 1" in refused(answer)
     assert client.ask("state")["name"] == "demo"
 
 

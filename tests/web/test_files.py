@@ -1,8 +1,9 @@
-"""Uploads, imports and downloads."""
+"""Uploads, imports and downloads, and a study as a ZIP and back."""
 
 import errno
 import io
 import os
+import socket
 import stat
 import struct
 import zipfile
@@ -12,8 +13,10 @@ import cv2
 import numpy as np
 import pytest
 import tifffile
-from tests.web.conftest import client_of, serving
+from tests.study.test_archive import ODD_FILES, contents, write
+from tests.web.conftest import client_of, refused, serving
 
+from fingerpad.study.manifest.load import load_study
 from fingerpad.web.workspace import Workspace
 
 
@@ -93,8 +96,7 @@ def test_names_of_files_never_become_paths(client, studies_folder, name, kept):
 )
 def test_unusable_files_are_refused_and_removed(client, studies_folder, name, content, status):
     answer = upload(client, name, content)
-    assert answer.status_code == status, answer.text
-    assert answer.json()["error"]
+    assert refused(answer, status)
     assert status != 415 or name not in answer.text  # the page puts it before what is said
     assert str(studies_folder) not in answer.text
     folder = studies_folder / "demo/uploads"
@@ -190,8 +192,9 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder):
         upload(client, f"{file}.png", png(level=len(file)))
     (studies_folder / "demo/link.png").symlink_to("uploads/linked.png")
     files = ("uploads/a.png", "link.png", "uploads/draft.png")
-    edits = [{"kind": "observation", "key": f"x{k}", "set": {"file": file}} for k, file in enumerate(files)]
-    client.study_post("edits", expected=client.ask("state")["digest"], edits=edits).raise_for_status()
+    client.edit(
+        *({"kind": "observation", "key": f"x{k}", "set": {"file": file}} for k, file in enumerate(files))
+    )
     for name in ("uploads/./a.png", "uploads/linked.png", "uploads/draft.png"):
         assert remove(client, name).status_code == 409, name
 
@@ -277,3 +280,27 @@ def test_a_zip_takes_no_others_place(client):
     assert bring(client, with_study(), "demo").status_code == 409
     assert bring(client, with_study(), "new").status_code == 201
     assert bring(client, zipped(**{"top/study.toml": STUDY}), "second").json()["title"] == "t"
+
+
+def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, ODD_FILES, {"empty: folder"}, dict.fromkeys(ODD_FILES, "used"))
+    (folder / os.fsdecode(b"\xff.png")).write_bytes(b"no text")
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(folder / "socket"))
+        with client_of(folder) as client:
+            reported = client.get("/api/studies/study/bundle").json()
+            left = {one["file"]: one["why"] for one in reported["left_out"]}
+            assert {".data/", "socket", "a:b.png", "empty: folder/"} <= set(left)
+            assert "=1+1" not in left
+            assert len({"a.png", "A.png"} & set(left)) == 1
+            archive = client.get("/api/studies/study/download/study.zip")
+            assert archive.status_code == 200
+            back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
+            assert back.status_code == 201, back.text
+            assert back.json()["digest"] == load_study(folder / "study.toml").digest
+    (folder / "socket").unlink()
+    (folder / os.fsdecode(b"\xff.png")).unlink()  # no text, and left out
+    kept = {name: one for name, one in contents(folder).items() if not {name, f"{name}/"} & set(left)}
+    assert contents(tmp_path / "back") == kept
+    assert reported["files"] == sum(content is not None for content in kept.values())

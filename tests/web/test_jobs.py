@@ -15,7 +15,7 @@ from PIL import Image
 from tests import command
 from tests.studies import finger, picture, write_study
 from tests.waiting import wait_until
-from tests.web.conftest import DEMO, client_of, serving
+from tests.web.conftest import DEMO, client_of, refused, serving
 
 from fingerpad._files import sha256_of
 from fingerpad.exceptions import ManifestError
@@ -144,20 +144,17 @@ def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
 
 
 def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
-    state = client.ask("state")
-    edits = [
+    client.edit(
         {"kind": "observation", "key": "half", "set": {"file": "synthetic/synthetic_30deg_1N.png"}},
         {"kind": "scale", "key": "camera", "set": {"mm_per_px": 7}},
-    ]
-    answer = client.study_post("edits", expected=state["digest"], edits=edits)
-    answer.raise_for_status()
+    )
     assert 'name = "half"' in (study / "study.toml").read_text()
     opened = client.ask("state")
     assert [one["item"] for one in opened["observations"] if not one["complete"]] == ["half"]
     words = [one["words"] for one in opened["missing"]]
-    refused = client.study_post("run")
-    assert refused.status_code == 422
-    assert [one["words"] for one in refused.json()["faults"]] == words
+    answer = client.study_post("run")
+    assert refused(answer)
+    assert [one["words"] for one in answer.json()["faults"]] == words
     assert {"the load is missing", "the wedge angle is missing", "which finger it is is missing"} <= {*words}
     with pytest.raises(ManifestError) as error:
         run_study(study, study / "results")
@@ -169,8 +166,7 @@ def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study
 
 def test_what_is_complete_is_run_without_the_rest(client, study):
     half = {"file": "synthetic/synthetic_30deg_1N.png", "finger": "f", "wedge_angle_deg": 30}
-    edits = [{"kind": "observation", "key": "half", "set": half}]
-    client.study_post("edits", expected=client.ask("state")["digest"], edits=edits).raise_for_status()
+    client.edit({"kind": "observation", "key": "half", "set": half})
     assert run_of(client, incomplete=True)["state"] == "done"
     assert "half" not in {row["observation"] for row in rows(client, limit=2000)["rows"]}
     assert "left out, as it is not complete" in (study / "results" / "report.html").read_text()
@@ -338,9 +334,8 @@ def test_figures_are_drawn_for_publication(done):
     assert picture.headers["content-disposition"] == f'attachment; filename="{name}.png"'
     with Image.open(io.BytesIO(picture.content)) as image:
         assert image.width == round(90 / 25.4 * 100)
-    refused = file("svg", width_mm=2000)
-    assert refused.status_code == 422
-    assert refused.json()["error"] == "width_mm: a figure is 20 to 500 mm wide and high, found 2000"
+    words = "width_mm: a figure is 20 to 500 mm wide and high, found 2000"
+    assert refused(file("svg", width_mm=2000)) == words
     assert done.study_get("results/figure", name="../results").status_code == 404
     saved = done.study_get("download/results.csv", attachment=True)
     assert saved.headers["content-disposition"] == 'attachment; filename="results.csv"'
@@ -374,10 +369,8 @@ def test_a_file_that_was_changed_or_lost_after_the_run_is_named(finished_client,
     assert finished_client.study_get("download/report.html").status_code == 200
     assert finished_client.ask("state")["results"]["faults"] == []
     report.write_text(report.read_text() + "<p>other</p>")
-    answer = finished_client.study_get("download/report.html")
-    assert answer.status_code == 409
     words = "report.html: is not the file that the last run wrote: run the study"
-    assert answer.json()["error"].startswith(words)
+    assert refused(finished_client.study_get("download/report.html"), 409).startswith(words)
     (finished / "results" / "summary.json").unlink()
     faults = finished_client.ask("state")["results"]["faults"]
     assert faults[1:] == ["summary.json: is missing or cannot be read"]

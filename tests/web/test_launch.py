@@ -10,10 +10,8 @@ from pathlib import Path
 
 import httpx
 import pytest
+from tests.command import refusal, run
 from tests.waiting import wait_until
-from typer.testing import CliRunner
-
-from fingerpad.cli import app
 
 APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
 
@@ -133,12 +131,7 @@ def test_the_token_is_removed_on_signals_that_end_the_program(studies_folder, nu
 
 @pytest.mark.parametrize(
     ("at", "arguments", "opened"),
-    [
-        (".", [], None),
-        (".", ["empty"], None),
-        (".", ["demo"], "demo"),
-        ("demo", [], "demo"),
-    ],
+    [(".", [], None), (".", ["empty"], None), (".", ["demo"], "demo"), ("demo", [], "demo")],
 )
 def test_a_folder_without_a_manifest_is_one_to_begin_a_study_in(
     studies_folder, monkeypatch, at, arguments, opened
@@ -147,7 +140,7 @@ def test_a_folder_without_a_manifest_is_one_to_begin_a_study_in(
     monkeypatch.chdir(studies_folder / at)
     served = []
     monkeypatch.setattr("fingerpad.web.app.serve", lambda workspace, **_: served.append(workspace))
-    assert CliRunner().invoke(app, ["app", *arguments]).exit_code == 0
+    assert run("app", *arguments)[0] == 0
     (workspace,) = served
     assert (workspace.last and workspace.last.name) == opened
     assert workspace.workspace == studies_folder / ("empty" if arguments == ["empty"] else ".")
@@ -163,18 +156,11 @@ def test_a_folder_without_a_manifest_is_one_to_begin_a_study_in(
     ],
 )
 def test_wrong_arguments_are_reported(studies_folder, monkeypatch, arguments, words):
-    assert words in refused(studies_folder, monkeypatch, *arguments)
+    monkeypatch.chdir(studies_folder)
+    assert words in refusal("app", "--no-browser", *arguments)
 
 
-def refused(folder, monkeypatch, *arguments):
-    """Return what a launch in a folder says that ends at once."""
-    monkeypatch.chdir(folder)
-    done = CliRunner().invoke(app, ["app", "--no-browser", *map(str, arguments)])
-    assert (done.exit_code, done.stdout) == (2, "")
-    return done.stderr
-
-
-def test_a_port_in_use_is_reported(studies_folder, monkeypatch):
+def test_a_port_in_use_is_reported(studies_folder):
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        said = refused(studies_folder, monkeypatch, "demo", "--port", taken.getsockname()[1])
-    assert "--port" in said
+        port = ("--port", taken.getsockname()[1])
+        assert "--port" in refusal("app", "--no-browser", studies_folder / "demo", *port)

@@ -3,6 +3,7 @@
 import pytest
 from tests.study.test_file_tables import SHARED, SHEET
 from tests.test_tables import mat
+from tests.web.conftest import refused
 from tests.web.test_files import png, upload
 from tests.workbooks import workbook
 
@@ -27,9 +28,7 @@ def test_a_workbook_is_kept_and_joined(client) -> None:
     assert listed["uploads/details.xlsx"]["used"] is False
     files = ["uploads/IMG_1.png", "uploads/IMG_2.png"]
     asked = {"file": record["file"], "files": [{"file": file} for file in files]}
-    answer = client.study_post("files/table", **asked)
-    assert answer.status_code == 200, answer.text
-    joined = answer.json()
+    joined = client.study_post("files/table", **asked).raise_for_status().json()
     assert [one["file"] for one in joined["files"]] == files[:1]
     assert joined["files"][0]["values"]["load_N"] == 0.1
     assert joined["files_without_row"] == files[1:]
@@ -44,9 +43,7 @@ def test_a_workbook_is_kept_and_joined(client) -> None:
     ],
 )
 def test_refusals_say_why(client, path: str, body: dict, words: str) -> None:
-    answer = client.study_post(f"files/{path}", **body)
-    assert answer.status_code == 422
-    assert words in answer.json()["error"]
+    assert words in refused(client.study_post(f"files/{path}", **body))
 
 
 def test_edits_are_proposed_and_can_be_made(client) -> None:
@@ -58,7 +55,5 @@ def test_edits_are_proposed_and_can_be_made(client) -> None:
     asked = {"files": [reading | {"scale": scale}, {"file": "uploads/a.png", "use": "curve"}]}
     found = client.study_post("files/edits", **asked).raise_for_status().json()
     assert (found["added"], found["waiting"]) == (1, ["uploads/a.png"])
-    body = {"expected": state["digest"], "edits": found["edits"]}
-    state = client.study_post("edits", **body).raise_for_status().json()
-    contact = next(one for one in state["observations"] if one["file"] == file)
+    contact = next(one for one in client.edit(*found["edits"])["observations"] if one["file"] == file)
     assert (contact["scale"], contact["scale_words"]) == ({"ppi": 500}, "500 ppi")

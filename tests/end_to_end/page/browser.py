@@ -172,6 +172,15 @@ class Tab:
         self.page.mouse.move(0, 0)
 
 
+@contextmanager
+def tab_on(browser: Browser, folder: Path, study: Path | None = None, **options) -> Iterator[Tab]:
+    """Open a tab on the page of a folder, with a study open; what it heard is judged at the end."""
+    with served(folder, study) as server:
+        tab = Tab(browser, server, **options)
+        yield tab
+        tab.close()
+
+
 class Late:
     """The next answer to what a page asks at an address, held back until it is let go."""
 
@@ -281,6 +290,18 @@ def settle(page: Page) -> None:
 def drag(page: Page, place: Locator, dx: float, dy: float) -> None:
     x, y = middle(place)
     stroke(page, (x, y), (x + dx, y + dy))
+
+
+def enter(field: Locator, words: str) -> None:
+    """Fill in a field and confirm it."""
+    field.fill(words)
+    field.press("Enter")
+
+
+def press(page: Page, key: str) -> None:
+    """Press a key of the page, while no field has the focus."""
+    page.locator("h1").click()
+    page.keyboard.press(key)
 
 
 def focus(page: Page, name: str, role: str = "button") -> Locator:

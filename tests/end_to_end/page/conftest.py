@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
-from tests.end_to_end.page.browser import Tab, served
+from tests.end_to_end.page.browser import Tab, tab_on
 
 from fingerpad.study.editing.template import write_example
 
@@ -46,10 +46,8 @@ def demo(run_demo, tmp_path) -> Path:
 
 @pytest.fixture
 def tab(browser, demo) -> Iterator[Tab]:
-    with served(demo.parent, demo) as server:
-        tab = Tab(browser, server)
+    with tab_on(browser, demo.parent, demo) as tab:
         yield tab
-        tab.close()
 
 
 @pytest.fixture
@@ -57,11 +55,9 @@ def empty_tab(browser, tmp_path) -> Iterator[Tab]:
     """A bench without a study."""
     folder = tmp_path / "workspace"
     folder.mkdir()
-    with served(folder) as server:
-        tab = Tab(browser, server)
+    with tab_on(browser, folder) as tab:
         tab.folder = folder
         yield tab
-        tab.close()
 
 
 @pytest.fixture(scope="session")
@@ -84,7 +80,5 @@ def results(run_example, example) -> Path:
 
 @pytest.fixture
 def example_tab(browser, example) -> Iterator[Tab]:
-    with served(example.parent, example) as server:
-        tab = Tab(browser, server)
+    with tab_on(browser, example.parent, example) as tab:
         yield tab
-        tab.close()

@@ -6,14 +6,7 @@ import shutil
 import numpy as np
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import (
-    Tab,
-    manifest,
-    numbers,
-    require_picture,
-    served,
-    unexplained,
-)
+from tests.end_to_end.page.browser import Tab, enter, manifest, numbers, require_picture, tab_on, unexplained
 from tests.smooth_study import area_at, make_smooth_study
 
 from fingerpad.study.results.table import GLOSSARY
@@ -99,8 +92,7 @@ def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, 
     side = page.locator(".inspector")
     assert "Gross area" in numbers(page)
     side.get_by_text("the load is missing").wait_for()
-    side.get_by_label(re.compile("the load is missing")).fill("1")
-    side.get_by_label(re.compile("the load is missing")).press("Enter")
+    enter(side.get_by_label(re.compile("the load is missing")), "1")
     side.get_by_text("the load is missing").wait_for(state="detached")
     assert manifest(example)["observations"][1]["load_N"] == 1
     page.keyboard.press("ArrowLeft")
@@ -128,10 +120,8 @@ def smooth(tmp_path):
 
 @pytest.fixture
 def page_of(browser, smooth):
-    with served(smooth.parent, smooth) as server:
-        tab = Tab(browser, server)
+    with tab_on(browser, smooth.parent, smooth) as tab:
         yield tab.open
-        tab.close()
 
 
 def area(page) -> float:

@@ -15,11 +15,13 @@ from tests.end_to_end.page.browser import (
     Tab,
     box,
     drag,
+    enter,
     focus,
     manifest,
     middle,
     moving,
     numbers,
+    press,
     require_picture,
     settle,
     stroke,
@@ -49,11 +51,9 @@ def paste(field: Locator, words: str) -> None:
 
 def say_scale(page, name: str, way: str, field: str, value: str) -> None:
     """Save a scale for the images that it offers: those of the first kind that lacks one."""
-    page.locator("h1").click()
-    page.keyboard.press("n")
+    press(page, "n")
     page.get_by_role("radio", name=way, exact=True).click()
-    page.get_by_label(field).fill(value)
-    page.get_by_label(field).press("Enter")
+    enter(page.get_by_label(field), value)
     page.get_by_label("Name", exact=True).fill(name)
     page.get_by_role("button", name="Save scale").click()
     page.get_by_role("heading", name=f"Scale {name}").wait_for()
@@ -84,21 +84,17 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     page.get_by_label("These files are synthetic (rendered or simulated)").check()
     page.get_by_role("button", name="Add to study").click()
     page.get_by_text("6 files added.").wait_for()  # once all are looked at
-    page.locator("h1").click()
-    page.keyboard.press("2")
+    press(page, "2")
     say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.1")
     expect(page.get_by_role("link", name="Run the study")).to_have_count(0)
     say_scale(page, "reader", "ppi", "Pixels per inch", "500")
     page.get_by_role("link", name="Run the study").wait_for()  # the last that was missing
     tops = page.get_by_role("radiogroup", name="Type of scale").get_by_role("radio").all()
     assert len({box(radio)["y"] for radio in tops}) == 1
-    page.locator("h1").click()
-    page.keyboard.press("1")
+    press(page, "1")
     page.get_by_text("Nothing is missing.").wait_for()
-    page.get_by_label("Wedge angle ±").fill("0.5")
-    page.get_by_label("Wedge angle ±").press("Enter")
-    page.locator("h1").click()
-    page.keyboard.press("6")
+    enter(page.get_by_label("Wedge angle ±"), "0.5")
+    press(page, "6")
     page.get_by_role("heading", name="Run & export").wait_for()
     page.keyboard.press("Enter")
     page.get_by_role("link", name="See the results").click()
@@ -205,8 +201,7 @@ def test_wrong_value_is_refused_and_a_finger_is_renamed_with_its_contacts(tab: T
     tab.expected.append("422")
     before = (demo / "study.toml").read_text()
     page = tab.open()
-    page.get_by_label("Load of synthetic_30deg_2N", exact=True).fill("20000")
-    page.get_by_label("Load of synthetic_30deg_2N", exact=True).press("Enter")
+    enter(page.get_by_label("Load of synthetic_30deg_2N", exact=True), "20000")
     refused = page.get_by_role("alert").filter(has_text="load_N")
     expect(refused).to_contain_text("synthetic_30deg_2N: load_N")
     expect(refused).to_contain_text("less than or equal to 10000, found '20000'")
@@ -237,8 +232,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 150, y), (x + 150, y))
     page.get_by_text("Enter the length of the line.").wait_for()
-    page.get_by_label("Length of the line").fill("20")
-    page.get_by_label("Length of the line").press("Enter")
+    enter(page.get_by_label("Length of the line"), "20")
     first = numbers(page, "scale")
     assert "±" in first
     focus(page, "End of the line").press("Shift+ArrowRight")
@@ -246,8 +240,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     drag(page, page.get_by_role("button", name="End of the line"), -40, 0)
     page.get_by_label("Name", exact=True).fill("ruler")
     page.keyboard.press("Tab")
-    page.locator("h1").click()
-    page.keyboard.press("Control+Enter")
+    press(page, "Control+Enter")
     page.get_by_role("heading", name="Scale ruler").wait_for()
     manifest = (demo / "study.toml").read_text()
     assert re.search(r"\[scales\.ruler\][^[]*line = ", manifest)

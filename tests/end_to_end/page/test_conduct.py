@@ -15,9 +15,10 @@ from tests.end_to_end.page.browser import (
     focus,
     manifest,
     numbers,
-    served,
     settle,
+    tab_on,
 )
+from tests.end_to_end.page.test_contacts import PRINT, enter_threshold
 from tests.studies import finger, sequence, write_numbers, write_study
 
 # Each step, and what stands there once it is drawn.
@@ -48,8 +49,6 @@ JUDGE = """async (only) => {
   }
   return axe.run(document, { resultTypes: ['violations'], ...(only && { runOnly: only }) });
 }"""
-PRINT = "synthetic_30deg_2N"
-
 # Scroll the filmstrip by ninety times eighteen pictures.
 SCROLL = """async () => {
   const strip = document.querySelector('.filmstrip');
@@ -65,8 +64,7 @@ SCROLL = """async () => {
 
 @pytest.mark.nightly
 def test_pages_are_accessible(browser, run_demo) -> None:
-    with served(run_demo.parent, run_demo) as server:
-        tab = Tab(browser, server, color_scheme="light", bypass_csp=True)
+    with tab_on(browser, run_demo.parent, run_demo, color_scheme="light", bypass_csp=True) as tab:
         page = tab.open()
         page.evaluate(AXE)
         found = {}
@@ -85,7 +83,6 @@ def test_pages_are_accessible(browser, run_demo) -> None:
             themes.reverse()
         page.keyboard.press("?")
         page.get_by_role("dialog", name="Keys").wait_for()
-        tab.close()
     assert {view: what for view, what in found.items() if what} == {}
 
 
@@ -96,11 +93,6 @@ def two_windows(tab: Tab) -> tuple[Page, Page]:
     for page in (one, two):
         numbers(page)
     return one, two
-
-
-def enter_threshold(page: Page) -> None:
-    page.get_by_label("Threshold, grey levels").fill("70")
-    page.get_by_label("Threshold, grey levels").press("Enter")
 
 
 def require_both_kept(page: Page, demo) -> None:
@@ -116,7 +108,7 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, demo) -> None
     drag(two, two.get_by_role("button", name="End of the semi-major axis", exact=True), -20, 0)
     changed(two, before)
     expect(one.locator(".history li")).to_have_count(1)
-    enter_threshold(one)
+    enter_threshold(one, "70")
     require_both_kept(two, demo)
 
 
@@ -128,7 +120,7 @@ def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None
     before = numbers(two)
     focus(two, "End of the semi-major axis").press("Shift+ArrowRight")
     changed(two, before)
-    enter_threshold(one)
+    enter_threshold(one, "70")
     one.get_by_role("dialog", name="Another window corrected this image").wait_for()
     one.get_by_role("button", name="Apply mine as well").click()
     require_both_kept(one, demo)
@@ -145,15 +137,13 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     write_numbers(study / "force.csv", "time_s,force_N", [(k / 500, k / 2000) for k in range(2000)])
     timed = {"force": "force.csv", "frames_per_second": 500, "scale": {"ppi": 500}}
     write_study(study, finger(), sequence("long", "frames", **timed))
-    with served(tmp_path, study) as server:
-        tab = Tab(browser, server)
+    with tab_on(browser, tmp_path, study) as tab:
         page = tab.open("contacts/sequence:long")
         page.locator(".filmstrip .cell").first.wait_for()
         expect(page.locator(".track")).to_have_css("width", "200000px")
         most = page.evaluate(SCROLL)
         page.locator(".cell.there").first.wait_for()
         thumbnails = sum("/thumbnail" in url for url in tab.asked)
-        tab.close()
     assert most < 40
     assert thumbnails < 120
 

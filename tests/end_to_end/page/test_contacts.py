@@ -13,11 +13,13 @@ from tests.end_to_end.page.browser import (
     changed,
     corrections,
     drag,
+    enter,
     focus,
     lift,
     manifest,
     middle,
     numbers,
+    press,
     stroke,
 )
 
@@ -43,8 +45,7 @@ def encircle(page: Page, across: float, down: float) -> None:
 
 
 def enter_threshold(page: Page, level: str) -> None:
-    page.get_by_label("Threshold, grey levels").fill(level)
-    page.get_by_label("Threshold, grey levels").press("Enter")
+    enter(page.get_by_label("Threshold, grey levels"), level)
 
 
 def test_handles_by_pointer_and_by_keyboard_give_numbers_beside_the_automatic_ones(tab: Tab, demo) -> None:
@@ -167,8 +168,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     before = numbers(page)
     enter_threshold(page, "60")
     thinner = changed(page, before)
-    page.locator("h1").click()
-    page.keyboard.press("s")
+    press(page, "s")
     x, y = middle(page.locator(".stage"))
     page.mouse.click(x + 10, y)
     page.get_by_role("button", name="Reset seed point").wait_for()
@@ -189,8 +189,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
 def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
-    page.locator("h1").click()
-    page.keyboard.press("x")
+    press(page, "x")
     page.get_by_role("heading", name="synthetic_30deg_4N").wait_for()
     numbers(page)
     # A key that comes before the corrections undoes the rejection they tell of.
@@ -218,8 +217,7 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
     program = numbers(page)
     grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
     first = grown.get_attribute("d")
-    page.locator("h1").click()
-    page.keyboard.press("k")
+    press(page, "k")
     page.get_by_text("manual", exact=True).wait_for()
     for _ in range(4):
         page.keyboard.press(".")
@@ -240,8 +238,7 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
     late = Late(page, "**/api/studies/*/measure/contact*")
     key.check()
     late.wait()
-    page.locator("h1").click()
-    page.keyboard.press(",")
+    press(page, ",")
     page.wait_for_url(re.compile("%236$"))
     numbers(page)
     expect(key).not_to_be_checked()
@@ -288,8 +285,7 @@ def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     expect(hold).to_have_attribute("aria-valuenow", ends)
     hold.blur()
     reason = page.get_by_label("Reason of the phases")
-    reason.fill("the pad slipped")
-    reason.press("Enter")
+    enter(reason, "the pad slipped")
     expect(reason).to_be_focused()
     page.reload()
     numbers(page)

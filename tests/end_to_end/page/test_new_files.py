@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, manifest, numbers
+from tests.end_to_end.page.browser import Tab, enter, manifest, numbers
 from tests.end_to_end.page.test_begin import CONTACTS, begin
 from tests.studies import append_tables, contact, finger, picture
 
@@ -139,8 +139,7 @@ def test_fingers_and_scales_are_typed_once(example_tab: Tab, example, tmp_path) 
     page.keyboard.press("Tab")
     expect(page.get_by_label("Finger on two.png")).to_have_value("right_thumb")
     scale = page.get_by_label("Scale of all new contact images")
-    scale.fill("500")
-    scale.press("Enter")
+    enter(scale, "500")
     expect(page.get_by_label("Scale of all new contact images")).to_have_value("500 ppi")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_text("2 files added.").wait_for()
@@ -155,8 +154,7 @@ def test_fingers_and_scales_are_typed_once(example_tab: Tab, example, tmp_path) 
         fields.nth(index).fill(words)
     page.get_by_role("button", name="Save", exact=True).click()
     expect(fields.nth(1)).to_be_focused()
-    fields.nth(1).fill("0,2")
-    fields.nth(1).press("Enter")
+    enter(fields.nth(1), "0,2")
     page.get_by_text("13.80 ± 0.20").wait_for()
     page.get_by_role("button", name="Add a finger").click()
     page.get_by_label("Name of the finger").fill("left index")

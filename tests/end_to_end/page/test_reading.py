@@ -4,7 +4,7 @@ import re
 
 import pytest
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import Late, Tab, changed, numbers, served
+from tests.end_to_end.page.browser import Late, Tab, changed, enter, numbers, press, served
 
 
 @pytest.fixture(scope="module")
@@ -78,8 +78,7 @@ def test_pad_turns_with_its_angles_by_slider_and_by_key(tab: Tab) -> None:
     changed(page, was, "u")
     expect(page.get_by_label("Wedge angle θ, degrees")).to_have_value("46")
     page.get_by_label("Finger", exact=True).select_option("")
-    page.get_by_label("Palmar", exact=True).fill("10")
-    page.get_by_label("Palmar", exact=True).press("Enter")
+    enter(page.get_by_label("Palmar", exact=True), "10")
     page.get_by_text("belong to no finger").wait_for()
 
 
@@ -130,8 +129,7 @@ def test_area_and_corrected_radius_against_load_with_their_lines_and_bars(tab: T
 
 def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
     page = tab.go("results")
-    page.locator("h1").click()
-    page.keyboard.press("t")
+    press(page, "t")
     page.get_by_text("34 of 34 rows").wait_for()
     page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
     page.get_by_label("Wedge", exact=True).select_option("45")
@@ -142,8 +140,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
         header.and_(page.locator(f"[aria-sort={way}]")).wait_for()
     first = page.locator("tbody tr").first
     expect(first).to_have_text(re.compile("^synthetic_45deg_4N"), use_inner_text=True)
-    page.locator("h1").click()
-    page.keyboard.press("/")
+    press(page, "/")
     page.keyboard.type("0.5N")
     page.get_by_text("1 of 34 rows").wait_for()
     page.locator("tbody a").press("Enter")
@@ -176,8 +173,7 @@ def test_figures_and_one_for_publication(tab: Tab) -> None:
     expect(preview).not_to_have_attribute("src", before)
     expect(dialog.get_by_role("link", name="PDF")).to_have_attribute("href", re.compile("width_mm=90"))
     dialog.get_by_label("From").first.fill("3")
-    dialog.get_by_label("To").first.fill("1")
-    dialog.get_by_label("To").first.press("Enter")
+    enter(dialog.get_by_label("To").first, "1")
     dialog.get_by_text("an axis goes from a smaller to a larger number, found 3 to 1").wait_for()
     expect(dialog.get_by_role("link", name="PDF")).to_have_count(0)
     dialog.get_by_role("button", name="Close").click()
@@ -205,8 +201,7 @@ def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: s
 
 def test_budget_and_audit(tab: Tab) -> None:
     page = tab.go("results/figures")
-    page.locator("h1").click()
-    page.keyboard.press("b")
+    press(page, "b")
     card = page.locator("section.card").first
     card.get_by_text("linear approximation not valid").wait_for()
     expect(card).to_contain_text("98.1 %", use_inner_text=True)

@@ -9,13 +9,15 @@ from playwright.sync_api import Page, expect
 from tests.end_to_end.page.browser import (
     Tab,
     corrections,
+    enter,
     launched,
     manifest,
     middle,
     numbers,
-    served,
+    press,
     settle,
     stroke,
+    tab_on,
 )
 from tests.end_to_end.page.test_contacts import PRINT
 
@@ -62,8 +64,7 @@ def test_a_reason_never_undoes_a_rejection(tab: Tab, demo) -> None:
     page.keyboard.press("ArrowLeft")
     page.get_by_text("rejected: no reason given", exact=True).wait_for()
     why = page.get_by_label("Reason to reject")
-    why.fill("smeared")
-    why.press("Enter")
+    enter(why, "smeared")
     page.wait_for_url(re.compile("synthetic_30deg_4N"))
     assert corrections(demo)[-1]["change"]["rejected"] == "smeared"
     page.keyboard.press("ArrowLeft")
@@ -117,14 +118,13 @@ def test_an_address_opens_its_study(browser, demo) -> None:
     last = Path(shutil.copytree(demo, demo.with_name("last")))
     text = (last / "study.toml").read_text()
     (last / "study.toml").write_text(re.sub("(?m)^title = .*", "title = 'Opened last'", text))
-    with served(demo.parent) as server:  # without a study, as fingerpad app is started by default
-        tab = Tab(browser, server)
+    with tab_on(browser, demo.parent) as tab:  # without a study, as fingerpad app is started by default
         page = tab.open()
         page.get_by_role("button", name=re.compile("demo")).click()
         tab.go("contacts")
         numbers(page)
         other = page.context.new_page()
-        other.goto(server.host)
+        other.goto(tab.server.host)
         other.get_by_role("button", name="Other studies").click()
         other.get_by_role("button", name="Opened last").click()
         expect(other.locator("#sidebar")).to_contain_text("Opened last")
@@ -137,7 +137,6 @@ def test_an_address_opens_its_study(browser, demo) -> None:
         page.reload()
         page.get_by_role("heading", name="Open study").wait_for()
         other.close()
-        tab.close()
 
 
 def test_a_list_shows_what_it_holds_when_its_options_move(tab: Tab) -> None:
@@ -209,8 +208,7 @@ def test_settings_that_were_not_saved_are_not_shown_for_the_next_image(tab: Tab,
     numbers(page)
     page.get_by_label("Threshold, grey levels").fill("none")
     page.get_by_role("checkbox", name="Show the automatic outline").check()
-    page.locator("h1").click()
-    page.keyboard.press(".")
+    press(page, ".")
     page.wait_for_url(re.compile("synthetic_30deg_4N"))
     numbers(page)
     expect(page.get_by_label("Threshold, grey levels")).to_have_value("")
@@ -237,7 +235,6 @@ def test_what_was_entered_for_a_missing_entry_is_not_shown_for_the_next(tab: Tab
     fields = page.locator(".missing-box").get_by_label(re.compile("the load is missing"))
     count = fields.count()
     assert count > 1
-    fields.first.fill("2")
-    fields.first.press("Enter")
+    enter(fields.first, "2")
     expect(fields).to_have_count(count - 1)
     expect(fields.first).to_have_value("")
