@@ -10,7 +10,6 @@ from fingerpad.image import Scale
 from fingerpad.simulate import render_contact_image
 
 PPI_500 = Scale.of_ppi(500)
-RNG = np.random.default_rng(0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -39,4 +38,4 @@ def test_small_contacts_are_not_flagged(size):
 
 
 def test_a_picture_too_coarse_for_ridges_is_not_flagged():
-    assert answer(stripes(RNG, 2.5), Scale(0.13)) != FLAG
+    assert answer(stripes(np.random.default_rng(0), 2.5), Scale(0.13)) != FLAG

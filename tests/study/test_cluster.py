@@ -15,8 +15,8 @@ from types import SimpleNamespace
 import pytest
 from distributed import Client
 from tests import command
-from tests.study.crashing import crash
 from tests.study.small_study import FRAMES, PICTURES
+from tests.study.works import crashing
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import ClusterError
@@ -27,7 +27,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import Row, records
 
 TOTAL = PICTURES + 2 + FRAMES
-CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
+CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crashing, inputs=())
 
 
 @pytest.fixture(autouse=True)
@@ -218,14 +218,8 @@ def test_a_scheduler_that_is_none_or_has_no_workers(
     small_study, tmp_path, scheduler, monkeypatch, address, words
 ):
     monkeypatch.setattr(cluster, "_WAIT_S", 1)
-    assert words in refusal(small_study, tmp_path / "out", address or scheduler.address)
-
-
-def refusal(manifest: Path, out: Path, scheduler: str) -> str:
-    """Return what the command says when it refuses to run."""
-    code, _, error = command.run("run", manifest, "--out", out, "--scheduler", scheduler)
-    assert code == 2
-    return " ".join(error.split())
+    where = ("--out", tmp_path / "out", "--scheduler", address or scheduler.address)
+    assert words in command.refusal("run", small_study, *where)
 
 
 @pytest.mark.nightly

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-import numpy as np
 import pytest
+from tests.study import works
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import StoreError
@@ -21,61 +21,7 @@ from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Record, Task
 from fingerpad.study.engine.worker import LocalExecutor, Worker
 
 
-def process(*_: Path) -> Record:
-    return {"process": os.getpid(), "threads": os.environ.get("OMP_NUM_THREADS")}
-
-
-def failing(*_: Path) -> Record:
-    raise ValueError("nothing to see")
-
-
-def odd(*_: Path) -> Record:
-    return {}["of a damaged file"]
-
-
-def crashing(*_: Path) -> Record:
-    os.kill(os.getpid(), signal.SIGSEGV)
-    raise AssertionError
-
-
-def killed(*_: Path) -> Record:
-    os.kill(os.getpid(), signal.SIGKILL)
-    raise AssertionError
-
-
-def crashing_once(folder: Path, _out: Path) -> Record:
-    if not (folder / "crashed").exists():
-        (folder / "crashed").touch()
-        os._exit(3)
-    return {"process": os.getpid()}
-
-
-def endless(*_: Path) -> Record:
-    while True:
-        time.sleep(1)
-
-
-def lasting(*_: Path) -> Record:
-    time.sleep(1)
-    return {"process": os.getpid()}
-
-
-def greedy(*_: Path) -> Record:
-    return {"sum": float(np.ones((1 << 30,)).sum())}  # 8 GB
-
-
-def full(*_: Path) -> Record:
-    raise OSError(28, "No space left on device")
-
-
-def drawing(_folder: Path, out: Path) -> Record:
-    print("libraries print what they like")
-    (out / "figures").mkdir()
-    (out / "figures" / "a.svg").write_text("<svg/>")
-    return {}
-
-
-def task(number: int, work=process) -> Task:
+def task(number: int, work=works.process) -> Task:
     return Task(name=str(number), item="", file=f"file {number}", key="k", work=work, inputs=())
 
 
@@ -91,7 +37,7 @@ def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIM
 
 def test_linear_algebra_of_a_worker_has_one_thread(tmp_path, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "4")
-    found = records(tmp_path, *[process] * 6, workers=2)
+    found = records(tmp_path, *[works.process] * 6, workers=2)
     assert {record["threads"] for record in found} == {"1"}
     assert os.getpid() not in {record["process"] for record in found}
     assert os.environ.get("OMP_NUM_THREADS") == "4"
@@ -114,7 +60,7 @@ def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_records_come_in_the_order_of_their_tasks(tmp_path, workers):
-    found = records(tmp_path, process, failing, odd, process, workers=workers)
+    found = records(tmp_path, works.process, works.failing, works.odd, works.process, workers=workers)
     assert ["reason" in record for record in found] == [False, True, True, False]
     assert found[1]["reason"] == "file 1: cannot be measured (ValueError: nothing to see)"
     assert found[2]["reason"] == "file 2: cannot be measured (KeyError: 'of a damaged file')"
@@ -123,29 +69,29 @@ def test_records_come_in_the_order_of_their_tasks(tmp_path, workers):
 @pytest.mark.parametrize(
     ("workers", "work", "words"),
     [
-        (2, crashing, "file 1: the process that measured it crashed twice (signal SIGSEGV)"),
-        (1, killed, "file 1: the process that measured it was killed twice, as happens where memory"),
+        (2, works.crashing, "file 1: the process that measured it crashed twice (signal SIGSEGV)"),
+        (1, works.killed, "file 1: the process that measured it was killed twice, as happens where memory"),
     ],
 )
 def test_a_task_that_kills_its_process_is_named_and_the_others_go_on(tmp_path, workers, work, words):
-    found = records(tmp_path, process, work, process, crashing_once, workers=workers)
+    found = records(tmp_path, works.process, work, works.process, works.crashing_once, workers=workers)
     assert found[1]["reason"].startswith(words)
     assert ["reason" in record for record in found] == [False, True, False, False]
 
 
 def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp_path):
     # On a busy machine a new process takes seconds to import the work itself.
-    found = records(tmp_path, endless, process, limits=Limits(seconds=6))
+    found = records(tmp_path, works.endless, works.process, limits=Limits(seconds=6))
     assert found[0]["reason"].startswith("file 0: measuring it takes longer than 6 s")
     assert "reason" not in found[1]
     # Whether a task is performed again shows in what another work makes of it.
-    assert records(tmp_path, process, process, limits=Limits(seconds=5)) == found
-    assert "reason" not in records(tmp_path, process, process, limits=Limits(seconds=60))[0]
+    assert records(tmp_path, works.process, works.process, limits=Limits(seconds=5)) == found
+    assert "reason" not in records(tmp_path, works.process, works.process, limits=Limits(seconds=60))[0]
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
 def test_a_task_that_takes_too_much_memory_fails_by_name(tmp_path):
-    found = records(tmp_path, greedy, process, limits=Limits(memory_gb=0.5))
+    found = records(tmp_path, works.greedy, works.process, limits=Limits(memory_gb=0.5))
     assert found[0]["reason"].startswith("file 0: measuring it takes more than 0.5 GB of memory")
     assert "reason" not in found[1]
 
@@ -166,9 +112,9 @@ def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(tm
 
     monkeypatch.setattr(Worker, "_ask", answered_in_time)
     monkeypatch.setattr(Worker, "_end_late", end_after_a_moment)
-    (first,) = records(tmp_path / "first", process, limits=Limits(seconds=0.1))
+    (first,) = records(tmp_path / "first", works.process, limits=Limits(seconds=0.1))
     monkeypatch.undo()
-    (second,) = records(tmp_path / "second", lasting)
+    (second,) = records(tmp_path / "second", works.lasting)
     assert "reason" not in first
     assert "reason" not in second
     assert second["process"] != first["process"]
@@ -176,11 +122,11 @@ def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(tm
 
 def test_a_full_disk_ends_the_run(tmp_path):
     with pytest.raises(StoreError, match="the disk is full"):
-        records(tmp_path, full)
+        records(tmp_path, works.full)
 
 
 def test_what_is_drawn_is_kept_and_what_is_printed_does_no_harm(tmp_path):
-    records(tmp_path, drawing)
+    records(tmp_path, works.drawing)
     with Store.reading(tmp_path / STORE_NAME) as store:
         ((name, digest),) = store.statuses()["0"].drawn.items()
         assert name == "figures/a.svg"
@@ -191,7 +137,7 @@ def test_workers_end_with_their_parent(tmp_path):
     pid = os.fork()
     if not pid:
         try:
-            (record,) = records(tmp_path, process)
+            (record,) = records(tmp_path, works.process)
             (tmp_path / "worker").write_text(str(record["process"]))
             time.sleep(60)
         finally:
@@ -226,8 +172,12 @@ def test_a_second_interrupt_does_not_wait(tmp_path):
             os.kill(os.getpid(), signal.SIGINT)
 
     thread = threading.Thread(target=interrupt)
-    thread.start()
+
+    def plans() -> Iterator[list[Task]]:
+        thread.start()
+        yield [task(0, works.endless)]
+
     with closing(LocalExecutor(tmp_path, 1)) as executor, pytest.raises(KeyboardInterrupt):
-        run_plans([iter([[task(0, endless)]])], executor, lambda *one: stored.append(one), lambda _: False)
+        run_plans([plans()], executor, lambda *one: stored.append(one), lambda _: False)
     thread.join()
     assert stored == []

@@ -12,8 +12,9 @@ from fingerpad.uncertainty import agreement, nested_scatter
 from fingerpad.uncertainty.discrepancy import model_discrepancy
 from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads
 
-RNG = np.random.default_rng(7)
-BALANCED = RNG.normal(0, 0.1, (4, 3, 2, 5)).cumsum(axis=0)  # persons, fingers, sessions, repeats
+BALANCED = (
+    np.random.default_rng(7).normal(0, 0.1, (4, 3, 2, 5)).cumsum(axis=0)
+)  # persons, fingers, sessions, repeats
 PLACES = np.indices(BALANCED.shape).reshape(4, -1)
 LEVELS = {
     "person": PLACES[0],
@@ -80,7 +81,7 @@ def test_levels_that_cannot_be_told_apart_are_one() -> None:
     [([0, 1, 2, 3, 4, 5], False), ([0, 0, 1, 1, 2, 3], False), ([0, 0, 1, 1, 2, 2], True)],
 )
 def test_too_few_repeats_tell_nothing(groups: list[int], known: bool) -> None:
-    found = nested_scatter(RNG.normal(size=6), {"finger": groups})
+    found = nested_scatter(np.random.default_rng(7).normal(size=6), {"finger": groups})
     assert [one.known for one in found.components.values()] == [known, known]
     assert np.isfinite(found.icc) == known
 
@@ -109,7 +110,7 @@ def test_coverage(studies: int, least: float, in_all: float) -> None:
 
 def test_only_groups_of_two_and_more_are_counted() -> None:
     fingers = [0, 0, 0, 1, 1, 2, 3]
-    repeat = nested_scatter(RNG.normal(size=7), {"finger": fingers}).components["repeat"]
+    repeat = nested_scatter(np.random.default_rng(7).normal(size=7), {"finger": fingers}).components["repeat"]
     assert (repeat.groups, repeat.count, repeat.freedom) == (2, 5, 3)
 
 
