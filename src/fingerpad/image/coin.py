@@ -96,16 +96,6 @@ class Coin(Displayed):
     flags : tuple of str
         Doubts: ``coin_shadow`` where it may shift the edge by more than the stated uncertainty,
         ``coin_tilted`` where a tilt shortens one semi-axis by more than 2 %.
-
-    Examples
-    --------
-    The major axis of a tilted coin keeps its length.
-
-    >>> from fingerpad.image import measure_coin
-    >>> from fingerpad.simulate import render_coin
-    >>> coin = measure_coin(render_coin(radius=80.0, tilt=0.4, shape=(240, 240)).pixels)
-    >>> round(coin.tilt, 1), round(coin.scale(23.25).mm_per_px, 3)
-    (0.4, 0.145)
     """
 
     centre: tuple[float, float]
@@ -176,12 +166,13 @@ def measure_coin(image: ImageLike) -> Coin:
 
     Examples
     --------
+    The major axis of a tilted coin, here one euro, keeps its length.
+
     >>> from fingerpad.image import measure_coin
     >>> from fingerpad.simulate import render_coin
-    >>> truth = render_coin(radius=80.0, shape=(240, 240))
-    >>> scale = measure_coin(truth.pixels).scale(23.25)  # one euro
-    >>> abs(scale.mm_per_px / (23.25 / 160) - 1) < 0.002
-    True
+    >>> coin = measure_coin(render_coin(radius=80.0, tilt=0.4, shape=(240, 240)).pixels)
+    >>> round(coin.tilt, 1), round(coin.scale(23.25).mm_per_px, 3)
+    (0.4, 0.145)
     """
     levels = picture_levels(grey_levels(image), "pixels", CalibrationError)
     if min(levels.shape) < _MIN_SIDE_PX:

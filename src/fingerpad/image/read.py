@@ -35,7 +35,7 @@ from fingerpad.image.levels import (
     on_white,
     storable,
 )
-from fingerpad.image.tiff import is_reduced_copy, levels_of_page, tifffile_warnings
+from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 _FORMATS: Final = ("PNG", "JPEG", "BMP", "PPM")
 _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
@@ -235,10 +235,11 @@ def read_start(path: Path) -> bytes:
 
 def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
     with tifffile.TiffFile(path) as tiff:
-        page = tiff.pages[0]
-        if any(not is_reduced_copy(tiff.pages[number]) for number in range(1, len(tiff.pages))):
-            raise ImageError(_SEVERAL.format(len(tiff.pages)))
-        return levels_of_page(path, 0, page, memory_limit), resolution_of_page(page)
+        pages: Any = tiff.pages
+        # Reduced copies beside the picture have the first bit set.
+        if not all(pages[number].subfiletype & 1 for number in range(1, len(pages))):
+            raise ImageError(_SEVERAL.format(len(pages)))
+        return levels_of_page(path, 0, pages[0], memory_limit), resolution_of_page(pages[0])
 
 
 def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:

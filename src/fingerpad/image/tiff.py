@@ -159,11 +159,6 @@ def _levels(samples: npt.NDArray[Any], page: Any, photometric: int) -> Pixels:
     return storable(np.ascontiguousarray(colour))
 
 
-def is_reduced_copy(page: Any) -> bool:
-    """Return whether a page is a smaller copy of another."""
-    return bool(page.subfiletype & 1)
-
-
 @contextmanager
 def tifffile_warnings() -> Iterator[list[logging.LogRecord]]:
     """Collect what tifffile only logs, such as a broken chain of pages, and keep it from printing."""

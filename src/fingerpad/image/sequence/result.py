@@ -93,16 +93,6 @@ class SequenceSummary(Displayed):
         Remarks for the reader.
     flags : tuple of str
         Doubts about all frames: ``out_of_step`` where area and force do not go together.
-
-    Examples
-    --------
-    >>> results = [
-    ...     FrameResult(index=0, reason="no contact"),
-    ...     FrameResult(index=1, measures={"gross_area_mm2": 42.0}, is_first_contact=True),
-    ... ]
-    >>> summary = sequence_summary(results)
-    >>> summary.measured, summary.without_contact, summary.largest
-    (1, 1, 1)
     """
 
     count: int
@@ -402,8 +392,13 @@ def sequence_summary(
 
     Examples
     --------
-    >>> sequence_summary([FrameResult(index=0, readable=False, reason="cut short")]).failed
-    1
+    >>> results = [
+    ...     FrameResult(index=0, reason="no contact"),
+    ...     FrameResult(index=1, measures={"gross_area_mm2": 42.0}, is_first_contact=True),
+    ... ]
+    >>> summary = sequence_summary(results)
+    >>> summary.measured, summary.without_contact, summary.largest
+    (1, 1, 1)
     """
     counts, phases = Counter[str](), Counter[str]()
     first_contact, largest, largest_area = None, None, 0.0
