@@ -101,5 +101,7 @@ def test_other_picture_refused(made):
     truth, found = made()
     with pytest.raises(ImageError, match=r"shape|the photograph that was measured"):
         draw_overlay(truth.pixels[:150], found)
+    with pytest.raises(ImageError, match=r"shape|the photograph that was measured"):
+        draw_overlay(np.repeat(truth.pixels, 2, axis=1), found)
     with pytest.raises(ImageError, match="found must be a ContactImageResult or PhotographFit, found str"):
         draw_overlay(truth.pixels, "found")

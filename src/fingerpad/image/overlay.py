@@ -187,10 +187,12 @@ def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -
 
 def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:
     colour = in_colour(picture_levels(pixels, "pixels", colour=True))[..., :3]
-    if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
+    rows, columns = colour.shape[:2]
+    measured = None if found.picture is None else found.picture.shape[:2]
+    if measured not in (None, (rows, columns)) or (found.points > (rows, columns)).any():
+        what = "points beyond them" if measured is None else f"measured were {measured[0]} × {measured[1]}"
         raise ImageError(
-            f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "
-            f"{colour.shape[1]} columns, and points beyond them"
+            f"pixels must be the photograph that was measured, found {rows} × {columns} pixels, {what}"
         )
     zoom = _SIDE_PX / max(colour.shape[:2])
     size = (round(colour.shape[1] * zoom), round(colour.shape[0] * zoom))
