@@ -7,6 +7,7 @@ orientation of the major axis from straight up, counter-clockwise as seen on the
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 from typing import Self
@@ -223,11 +224,12 @@ def evenly_spaced(
     points: FloatArray, spacing: float = 1.0, *, closed: bool = True, min_count: int = 16
 ) -> FloatArray:
     """Return points along an outline, about `spacing` apart."""
-    path = np.concatenate([points, points[:1]]) if closed else points
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*(path[1:] - path[:-1]).T))])
+    path = points @ [1, 1j]
+    path = np.append(path, path[0]) if closed else path
+    along = np.append(0.0, np.cumsum(np.abs(path[1:] - path[:-1])))
     count = max(min_count, round(along[-1] / spacing))
-    places = np.linspace(0, along[-1], count, endpoint=not closed)
-    return np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
+    places = np.interp(np.linspace(0, along[-1], count, endpoint=not closed), along, path)
+    return np.asarray(places.view(np.float64).reshape(-1, 2))
 
 
 def runs(mask: BoolArray, *, closed: bool = True) -> list[IndexArray]:
@@ -267,19 +269,25 @@ def outward_normals(points: FloatArray, step: int = 1, *, closed: bool = True) -
 
 def polygon_moments(points: FloatArray) -> AreaMoments:
     """Return the moments of a closed polygon (x, y), in either direction (Green's theorem)."""
-    origin = points.mean(axis=0)
-    p = points - origin
+    # As complex numbers x + iy, whose squares hold xx − yy and xy, and squared lengths xx + yy.
+    corners = points @ [1, 1j]
+    origin = corners.mean()
+    p = corners - origin
     q = shifted(p, 1)
-    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
-    area = cross.sum() / 2
-    centroid = cross @ (p + q) / (6 * area)
-    squares = cross @ (p * p + p * q + q * q) / 12
-    products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
-    mixed = cross @ products / 24
-    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
-    spread, axes = np.linalg.eigh(second)
-    size = abs(float(area))
-    return AreaMoments(area=size, centroid=centroid + origin, axes=axes.T[::-1], spread=spread[::-1] * size)
+    product = p.conj() * q
+    area = float(product.imag.sum()) / 2
+    weights = product.imag / (12 * area)
+    centroid = complex(weights @ (p + q)) * 2
+    difference = complex(weights @ (p * p + p * q + q * q)) - centroid**2
+    total = float(weights @ (np.abs(p) ** 2 + product.real + np.abs(q) ** 2)) - abs(centroid) ** 2
+    minor = cmath.exp(cmath.phase(0 - difference) / 2 * 1j)
+    place = centroid + origin
+    return AreaMoments(
+        area=abs(area),
+        centroid=np.array([place.real, place.imag]),
+        axes=np.array([[-minor.imag, minor.real], [minor.real, minor.imag]]),
+        spread=np.array([total + abs(difference), total - abs(difference)]) * (abs(area) / 2),
+    )
 
 
 def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:

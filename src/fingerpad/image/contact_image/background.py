@@ -1,6 +1,7 @@
 """What is no contact: an even border round the picture, and the ground with its uneven light."""
 
 import math
+from functools import lru_cache
 from typing import Final
 
 import cv2
@@ -9,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
-from fingerpad.image.levels import quadratic_surface, quadratic_terms
+from fingerpad.image.levels import quadratic_terms
 
 _MIN_BORDER: Final = 0.02  # of the picture; an added border is no less
 _RIPPLE: Final = 4 / 255  # of the range; lossy compression leaves such ripples in it
@@ -51,8 +52,9 @@ def without_added_border(
         filled = cv2.copyMakeBorder(opened, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=255)
         cv2.floodFill(filled, None, (0, 0), 1)
         card = np.asarray(filled[1:-1, 1:-1] != 1)
-        # A print on an even ground mostly shows that it is no card before grain and letters are looked at.
-        if enough and _is_card(card, _SLACK):
+        # A print on an even ground shows that it is no card before grain and letters are looked at, or when
+        # they are at half the size.
+        if enough and _is_card(card, _SLACK) and _is_card(_plain_card(card[::2, ::2]), _SLACK / 5):
             card = _plain_card(card)
             if _is_card(card) and _is_of_one_level(small[~card], width / 8):
                 return cv2.resize(card.view(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
@@ -152,15 +154,14 @@ def enlarge(
 
 def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
     """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
-    y, x = (np.linspace(-1, 1, n) for n in means.shape)
     if quiet.size < _MIN_QUIET:
         # With few ground blocks only a constant can be estimated.
         return np.full_like(means, quantile(means.ravel(), 0.2))
     chosen = rim.copy()
     chosen.flat[quiet] = True
     at_rim = rim[chosen]
-    rows, columns = np.nonzero(chosen)
-    terms = quadratic_terms(x[columns], y[rows]).T
+    whole = _terms_of_grid(means.shape)
+    terms = whole[:, chosen.ravel()]
     level = means[chosen].astype(np.float64)
     surface = np.array([quantile(level, 0.2), 0, 0, 0, 0, 0])
     for _ in range(_SURFACE_ROUNDS):
@@ -168,7 +169,14 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
         width = max(2 * quantile(np.abs(off[at_rim]), 0.5), 1e-6)
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
         surface = np.linalg.solve(weighted @ terms.T + _TINY, weighted @ level)
-    return as_float32(quadratic_surface(surface, means.shape))
+    return as_float32(surface @ whole).reshape(means.shape)
+
+
+@lru_cache(maxsize=8)
+def _terms_of_grid(shape: tuple[int, int]) -> FloatArray:
+    """Return the terms of a surface of second degree over a picture, (6, n), to read only."""
+    y, x = (grid.ravel() for grid in np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij"))
+    return np.asarray(quadratic_terms(x, y).T)
 
 
 def quantile(values: FloatArray | Float32Array, share: float) -> float:

@@ -28,9 +28,9 @@ _NO_EDGE: Final = (
 )
 _HALF_LEVEL: Final = 127.5
 _LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
-_FIRST_RIDGE: Final = 0.3  # ridge periods inside, where a ridge lies that the outline follows
-_FIRST_VALLEY: Final = 0.8  # ridge periods inside, where the valley behind it lies
-_ACROSS: Final = 6  # samples across a band
+_FIRST_RIDGE: Final = (-0.3, -0.3)  # band in ridge periods, where a ridge lies that the outline follows
+_FIRST_VALLEY: Final = (-0.8, -0.8)  # band in ridge periods, where the valley behind it lies
+_ACROSS: Final = np.linspace(0, 1, 6)[:, None]  # places of the samples across a band
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 MANUAL: Final = math.sqrt(1 / 12 / 2)
@@ -162,16 +162,14 @@ def fade_signs(
         raise ImageError(_NO_EDGE)
     # The variation along the outline that is not noise: inside and just outside by squares, whose noise adds
     # up, also in parts of the mean contrast; beyond by sizes, which few specks and fibres hardly change.
-    noise, *squares = _variations([ground, inside, outside], edge.period, 2)
-    within, without = np.sqrt(np.maximum(np.array(squares) - noise, 0.0)) / contrast
+    (noise, *squares), (floor, *_, far) = _variations([ground, inside, outside, beyond], edge.period)
+    within, without = np.sqrt(np.maximum(np.array(squares[:2]) - noise, 0.0)) / contrast
     means = np.maximum([(band.mean() - plain) / contrast for band in (inside, outside, off)], EDGE.least)
     cover = max(1 - float(without / means[1] / max(within / means[0], EDGE.least)), 0.0)
-    floor, far = _variations([ground, beyond], edge.period, 1) / contrast
+    floor, far = floor / contrast, far / contrast
     above = max(far**2 - floor**2, 0.0)
-    ridged = as_float32(amount)
-    last, before = (band.mean() for band in _across(ridged, edge, EDGE.inside, EDGE.deeper))
-    inward = [-_FIRST_RIDGE * edge.period, -_FIRST_VALLEY * edge.period]
-    ridge, valley = _profiles(ridged, edge.points, edge.normals, inward).mean(axis=1) / 255
+    ridged = _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper, _FIRST_RIDGE, _FIRST_VALLEY)
+    last, before, ridge, valley = ridged.mean(axis=(1, 2)).tolist()
     side = round(edge.period) | 1
     varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
     along = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
@@ -184,7 +182,7 @@ def fade_signs(
         cover=cover,
         rim=cover * max(1 - 3 * float(means[2] / means[1]), 0.0),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
-        followed=max(float(ridge - valley) - EDGE.usually_followed, 0.0),
+        followed=max((ridge - valley) / 255 - EDGE.usually_followed, 0.0),
         bare=float(np.mean(along < EDGE.bare * quantile(varies, 0.75))),
     )
     return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
@@ -222,22 +220,23 @@ def _deviations(values: npt.NDArray[Any], means: Callable[[Any], npt.NDArray[Any
     return np.asarray(np.sqrt(np.maximum(means(values * values) - means(values) ** 2, 0)))
 
 
-def _across(field: Float32Array, edge: Edge, *bands: Band) -> FloatArray:
+def _across(field: Float32Array, edge: Edge, *bands: Band) -> Float32Array:
     """Return the levels in bands along an outline, (bands, across, along)."""
     low, high = np.array(bands).T
-    distances = low + np.linspace(0, 1, _ACROSS)[:, None] * (high - low)
+    distances = low + _ACROSS * (high - low)
     levels = _profiles(field, edge.points, edge.normals, distances.T.ravel() * edge.period)
-    return levels.reshape(len(bands), _ACROSS, -1)
+    return levels.reshape(len(bands), len(_ACROSS), -1)
 
 
-def _variations(bands: list[FloatArray], period: float, power: int) -> FloatArray:
-    """Return the mean power of the variation of bands along the outline.
+def _variations(bands: list[FloatArray], period: float) -> FloatArray:
+    """Return the mean square and the mean size of the variation of bands along the outline, (2, bands).
 
     Extreme sectors do not count: dirt is in few.
     """
     values = np.concatenate(bands).T
-    varying = np.abs(values - running_mean(values, round(EDGE.along * period))) ** power
-    means = np.sort(_sector_means(varying.reshape(len(values), len(bands), -1).mean(axis=2)), axis=0)
+    size = np.abs(values - running_mean(values, round(EDGE.along * period)))
+    varying = np.stack([size * size, size], axis=1).reshape(len(values), 2, len(bands), -1).mean(axis=3)
+    means = np.sort(_sector_means(varying), axis=0)
     few = int(EDGE.trimmed * len(means))
     return np.asarray(means[few : len(means) - few].mean(axis=0))
 
@@ -271,12 +270,14 @@ def flattest(points: FloatArray, share: float) -> float:
     is divided by.
     """
     size = math.sqrt(abs(signed_area(points)))
-    spacing = float(np.hypot(*(shifted(points, 1) - points).T).mean())
+    place = points @ [1, 1j]
+    place -= place.mean()
+    spacing = float(np.abs(shifted(place, 1) - place).mean())
     count = min(max(3, round(share * size / spacing)), len(points))
-    x, y = (points - points.mean(axis=0)).T
-    mean_x, mean_y, *squares = uniform_filter1d(np.array([x, y, x * x, y * y, x * y]), count, mode="wrap")
-    xx, yy, xy = squares - np.array([mean_x * mean_x, mean_y * mean_y, mean_x * mean_y])
-    across = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)  # the smaller principal variance
+    # Of complex numbers x + iy the mean square holds xx − yy and xy, and that of their sizes is xx + yy.
+    sums = np.array([place, place * place, np.abs(place) ** 2])
+    mean, square, total = uniform_filter1d(sums, count, mode="wrap")
+    across = (total.real - np.abs(mean) ** 2 - np.abs(square - mean * mean)) / 2  # the smaller variance
     return math.sqrt(max(float(across.min()), 0.0)) / size
 
 
@@ -287,12 +288,11 @@ def smooth_normals(points: FloatArray, period: float) -> FloatArray:
 
 def _profiles(
     field: Float32Array, points: FloatArray, normals: FloatArray, distances: npt.ArrayLike
-) -> FloatArray:
+) -> Float32Array:
     """Return the levels at distances outward of each point, (distances, points); zero outside the field."""
     out = as_float32(distances)[:, None]
     x, y = (as_float32(points[:, k]) + out * as_float32(normals[:, k]) for k in (0, 1))
-    levels = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
-    return levels.astype(np.float64)
+    return as_float32(cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT))
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
@@ -330,9 +330,11 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """
     seen, drawn = edge.steps * ~edge.manual, edge.steps * edge.manual * MANUAL * edge.period
     noise = _spread_noise(weights, seen * edge.varying_std, EDGE.alike * len(weights))
-    noise += _spread_noise(weights, drawn, _DRAWN_ALIKE * edge.period)
-    for shared in (weights.T @ (seen * edge.differs), weights.T @ drawn):
-        noise += np.outer(shared, shared)
+    shared = weights.T @ (seen * edge.differs)
+    noise += np.outer(shared, shared)
+    if edge.manual.any():
+        shared = weights.T @ drawn
+        noise += _spread_noise(weights, drawn, _DRAWN_ALIKE * edge.period) + np.outer(shared, shared)
     return noise
 
 

@@ -40,6 +40,7 @@ from fingerpad.image.scale import Scale, ScaleLike, as_scale
 _NO_CONTRAST: Final = 2.5  # contrast over noise below which no contact is detectable
 _THRESHOLD_STD: Final = 0.2  # relative standard uncertainty of a threshold that a person chose
 _HISTOGRAM_BINS: Final = 128
+_SMEARED: Final = 0.01  # of the contact; less of it moves no number by more than is stated
 _ROUND: Final = 0.96  # regions that overlap less with their ellipse may contain smears
 
 
@@ -213,7 +214,7 @@ def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | N
     if reason is None:
         try:
             region = find_region(view, ridges, seed)
-            if threshold is None and region.roundness < _ROUND:
+            if threshold is None:
                 ridges, region = _without_smears(view, ridges, region, seed)
             found = region, trace_edge(view, ridges, region)
         except ImageError as error:
@@ -228,6 +229,9 @@ def _without_smears(
 
     Grease beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
     """
+    smeared = ridges.share_below(CLEAR_RISE * view.contrast, region.patch)
+    if smeared < _SMEARED or region.roundness > _ROUND:
+        return ridges, region
     clear = find_ridges(view, None, CLEAR_RISE)
     with suppress(ImageError):
         part = find_region(view, clear, seed)

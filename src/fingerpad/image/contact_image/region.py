@@ -77,7 +77,7 @@ def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) ->
 def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: View) -> int:
     """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
     if seed is None:
-        return int(np.argmax([_prominence(patch) for patch in patches]))
+        return int(np.argmax([_prominence(patch) for patch in patches])) if len(patches) > 1 else 0
     place = view.to_copy_pixel(*seed)
     for k, patch in enumerate(patches):
         if place is not None and patch[place]:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, disk, filled_polygon, outer_contours
+from fingerpad.image._masks import UInt8, disk, filled_polygon
 from fingerpad.image.contact_image.background import block_means, enlarge, quantile
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
 from fingerpad.image.contact_image.view import View
@@ -42,13 +42,23 @@ class Ridges:
     amount: UInt8  # (rows, columns); how far each place is from its valley level (0) to its ridge level (255)
     closed: UInt8  # (rows, columns); the same without specks, closed over the valleys
     level: Float32Array  # level half-way, above the ground, at some places spread over the copy
+    rise: Float32Array  # from valley to ridge, there
     threshold: float | None  # that level where the caller gives it
 
     def median_level(self, patch: BoolArray) -> float:
         """Return the median level in a patch; it varies slowly, and some hundred places show it."""
-        size = self.level.shape[::-1]
-        inside = cv2.resize(patch.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-        return quantile(self.level[inside] if inside.any() else self.level.ravel(), 0.5)
+        return quantile(_in_patch(self.level, patch), 0.5)
+
+    def share_below(self, rise: float, patch: BoolArray) -> float:
+        """Return the share of a patch in which ridges rise by less."""
+        return float(np.mean(_in_patch(self.rise, patch) < rise))
+
+
+def _in_patch(values: Float32Array, patch: BoolArray) -> Float32Array:
+    """Return the values of places in a patch, or all of them where none is."""
+    size = values.shape[::-1]
+    inside = cv2.resize(patch.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    return values[inside] if inside.any() else values.ravel()
 
 
 def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_RISE) -> Ridges:
@@ -61,7 +71,7 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
     values = smoothed(view)
     if threshold is not None:
         amount = np.asarray(cv2.convertScaleAbs(np.maximum(values, 0), alpha=255 / (2 * threshold)), np.uint8)
-        level = np.full((1, 1), threshold, dtype=np.float32)
+        valley, rise = np.zeros((1, 1), np.float32), np.full((1, 1), 2 * threshold, dtype=np.float32)
     else:
         step = 2 if view.period >= _LEAST_FOR_STEP else 1
         side = max(1, round(_WINDOW * view.period / step / 3))
@@ -69,12 +79,12 @@ def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_R
         above = np.subtract(values, enlarge(valley, side * step, values.shape))
         scale = enlarge(as_float32(255 / rise), side * step, values.shape)
         amount = np.asarray(cv2.multiply(above, scale, dtype=cv2.CV_8U), np.uint8)
-        level = as_float32(valley + rise / 2)
     counted = view.shown & view.inside
     if not counted.all():
         amount = np.where(counted, amount, np.uint8(0))
     closed = _closed(amount, view.period)
-    return Ridges(amount=amount, closed=closed, level=level, threshold=threshold)
+    level = as_float32(valley + rise / 2)
+    return Ridges(amount=amount, closed=closed, level=level, rise=rise, threshold=threshold)
 
 
 def smoothed(view: View) -> Float32Array:
@@ -130,6 +140,7 @@ class RidgeMap:
 
     above: Float32Array  # (rows, columns); by how much each place exceeds the ridges' level; 0 and less: none
     inside: BoolArray  # (rows, columns); what is inside the outline
+    ridges: BoolArray  # (rows, columns); ridges inside the outline
     pitch: int  # pixels of the picture between neighbouring places
     of_picture: FloatArray  # (2, 3); affine map to places (x, y) from pixels of the whole picture
     to_copy: FloatArray  # (2, 3); from places to pixels of the copy
@@ -146,13 +157,12 @@ class RidgeMap:
 
         `smeared` are the unresolved parts in the copy: half of them counts as ridge.
         """
-        ridges = (self.above > 0) & self.inside
-        known, unknown = int(np.count_nonzero(ridges)), 0
+        known, unknown = int(np.count_nonzero(self.ridges)), 0
         if smeared.any():
             in_map = _warped(smeared.view(np.uint8), self.to_copy, self.inside.shape[::-1], cv2.INTER_NEAREST)
             half = self.inside & (in_map > 0)
             unknown = int(np.count_nonzero(half))
-            known = int(np.count_nonzero(ridges & ~half))
+            known = int(np.count_nonzero(self.ridges & ~half))
         return (known + unknown / 2) * float(self.pitch**2), unknown * float(self.pitch**2)
 
     def border(self) -> float:
@@ -160,7 +170,7 @@ class RidgeMap:
 
         By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
         """
-        ridges = (self.above > 0) & self.inside
+        ridges = self.ridges
         pairs = (
             (ridges[1:], ridges[:-1]),
             (ridges[:, 1:], ridges[:, :-1]),
@@ -212,15 +222,17 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         grain = _excess_grain((sign * few - means).take(places) / rise.take(places), within)
         level += _blur_shift(within) - RIDGE_LEVEL.by_grain * grain
     above = as_float32(amount - np.float32(level))
+    ridges = (above > 0) & inside
     return RidgeMap(
         above=above,
         inside=inside,
+        ridges=ridges,
         pitch=pitch,
         of_picture=of_picture,
         to_copy=to_copy,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
-        has_print=_has_print(values, (above > 0) & inside, inside, period),
+        has_print=_has_print(values, ridges, inside, period),
     )
 
 
@@ -233,17 +245,24 @@ def _warped(
 
 def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
     """Return whether places darker than the ridges around are as large, and as many, as letters."""
-    side = [2 * round(PRINTED_MARKS.around * period / 2) + 1] * 2
-    total = cv2.boxFilter(cv2.copyTo(values, ridges.view(np.uint8)), cv2.CV_32F, side, normalize=False)
-    count = cv2.boxFilter(ridges.view(np.uint8), cv2.CV_32F, side, normalize=False)
-    dark = (values * count > np.float32(PRINTED_MARKS.darker) * total) & (count > 0)
+    # Blocks of four places show means over so much more.
+    side = [2 * round(PRINTED_MARKS.around * period / 8) + 1] * 2
+    chosen = as_float32(ridges)
+    total, count = (cv2.blur(block_means(each, 4), side) for each in (values * chosen, chosen))
+    usual = np.where(count > 0, total / np.maximum(count, np.float32(1e-6)), np.float32(np.inf))
+    dark = values > enlarge(as_float32(PRINTED_MARKS.darker * usual), 4, values.shape)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
     strokes = np.asarray(cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke), np.uint8)
-    letters, reach = 0, PRINTED_MARKS.reach * period
-    for contour in outer_contours(strokes):
-        if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:
-            x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
-            letters += bool(inside[y, x])
+    reach = PRINTED_MARKS.reach * period
+    # Shorter labels are twice as fast; so few places cannot hold more strokes than they count.
+    kind = cv2.CV_16U if strokes.size < 2**19 else cv2.CV_32S
+    _, labels, stats, centres = cv2.connectedComponentsWithStats(strokes, ltype=kind)
+    letters = 0
+    for number in np.flatnonzero(stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].min(axis=1) > reach) + 1:
+        x, y, columns, rows, _ = stats[number]
+        stroke = cv2.findNonZero((labels[y : y + rows, x : x + columns] == number).view(np.uint8))
+        x, y = centres[number].astype(int)
+        letters += bool(inside[y, x]) and min(cv2.minAreaRect(stroke)[1]) > reach
     return letters >= PRINTED_MARKS.minimum
 
 

@@ -52,10 +52,14 @@ def find_smooth(
             )
     part, values, light = _parts(pixels, options)
     inside = np.ones(values.shape[:2], dtype=bool) if part.inside is None else part.inside
-    steps = [step for step in find_steps(values, light, inside) if _wanted(step, part, options)]
+    steps = find_steps(values, light, inside, dark=options.get("dark_on_light"))
+    seed = options.get("seed")
+    if seed is not None:
+        place = (float(seed[1]) - part.corner[1], float(seed[0]) - part.corner[0])
+        steps = [one for one in steps if cv2.pointPolygonTest(as_float32(one.points), place, False) >= 0]
     view = _view(part, values, inside, scale, steps[0] if steps else None)
     if not steps:
-        if (seed := options.get("seed")) is not None:
+        if seed is not None:
             return view, None, f"no contact found at seed {seed}: give a (row, column) within the contact"
         return view, None, f"{_REFUSED}; none was found: {_WAY_OUT}"
     best = steps[0]
@@ -84,17 +88,6 @@ def _parts(
     if light.shape != part.shape:
         raise ImageError(f"background must have the picture's shape {part.shape}, found {light.shape}")
     return part, values, np.atleast_3d(as_float32(light.pixels))
-
-
-def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
-    """Return whether a step is of the wanted polarity and at the seed."""
-    dark, seed = options.get("dark_on_light"), options.get("seed")
-    if dark is not None and step.sign == (1 if dark else -1):
-        return False  # an edge that only its colour shows has no polarity
-    if seed is None:
-        return True
-    place = (float(seed[1]) - part.corner[1], float(seed[0]) - part.corner[0])
-    return cv2.pointPolygonTest(as_float32(step.points), place, False) >= 0
 
 
 def _problem(step: Step, contrast: float | None) -> str | None:
@@ -129,7 +122,7 @@ def _nested(step: Step, values: Float32Array, light: Float32Array | None, inside
         (one.sign == step.sign or one.radius > _LARGE_BUBBLE * step.radius)
         and min(one.score, one.seen) > _NESTED_SCORE
         and one.height > _NESTED_HEIGHT * step.height
-        for one in find_steps(values, light, inside & within)
+        for one in find_steps(values, light, inside & within, levels=(1.0,))
     )
 
 

@@ -6,7 +6,7 @@ The signal whose step is clearest all round shows the contact.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -23,7 +23,6 @@ from fingerpad.image._masks import (
     filled_polygon,
     largest_piece,
     longest_contour,
-    sample,
 )
 from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
@@ -46,6 +45,7 @@ _ORDERS: Final = (2, 2, 4, 12, 12)  # waves round the outline: few first, which 
 _SEARCH: Final = 0.25  # of that reach; no contact is an ellipse, so its edge is sought at least so far off
 # Times the wave number to the fourth power: where nothing is seen, fine waves stay small.
 _STIFF: Final = 3e-5
+_SETTLED: Final = 0.01  # px; an outline that a round moves by less moves no more
 _DENT: Final = 0.032  # of the radius; an edge that far off the other waves counts still a little
 
 
@@ -57,7 +57,6 @@ class Step:
     off: FloatArray  # (n,); how far out from it the edge lies in each profile; NaN where none is seen
     seen: float  # share of the outline at which the edge is seen
     height: float  # level of the contact above what lies around it, median along the outline, grey levels
-    noise: float  # standard deviation of the level around the contact, grey levels
     width: float  # width of the step at half height of its slope
     sign: int  # +1 where the contact is brighter than the ground, -1 where darker, 0 where of another colour
     ring: bool  # whether the edge is a crest, not a step
@@ -66,6 +65,7 @@ class Step:
     inner_edge: float  # how far inside, 0 for none
     overshoot: float  # how far the first fringe outside rises beyond the ground, over the height; 0 for none
     fringe: float  # how far outside the edge it lies
+    noise: float = 0.0  # standard deviation of the level around the contact, grey levels
     cut: bool = False  # whether the contact leaves the picture
     overlap: float = 1.0  # intersection over union of the contact and its ellipse
 
@@ -90,15 +90,25 @@ class Step:
 
 
 def find_steps(
-    picture: npt.NDArray[np.number], background: npt.NDArray[np.number] | None, inside: BoolArray
+    picture: npt.NDArray[np.number],
+    background: npt.NDArray[np.number] | None,
+    inside: BoolArray,
+    *,
+    dark: bool | None = None,
+    levels: Sequence[float] = _LEVELS,
 ) -> list[Step]:
-    """Return the steps found round patches of all signals, the clearest first."""
+    """Return the steps found round patches, all or only dark or bright ones, the clearest first.
+
+    An edge that only its colour shows is neither. Patches are sought at levels in parts of Otsu's.
+    """
     steps: list[Step] = []
     for signal, sign in _signals(picture, background, inside):
+        if dark is not None and sign == (1 if dark else -1):
+            continue
         # Colour off the ground in any direction shows contacts of gels, and rounds all other edges.
         if sign == 0 and max((step.score for step in steps), default=0.0) > _CLEAR:
             break
-        for patch, factor in _patches(signal, inside):
+        for patch, factor in _patches(signal, inside, levels):
             contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
             step = _refined((contour + 0.5) * factor - 0.5, signal, inside, sign)
             if step is not None:
@@ -157,17 +167,18 @@ def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
     base = quadratic_terms(np.linspace(-1, 1, columns)[column], np.linspace(-1, 1, rows)[row])
     level, rim = values[row, column], _rim(inside)[row, column]
     weight = np.where(rim.any(), rim, True).astype(np.float64)  # of a mask few places may be at the rim
-    ground = np.zeros(len(level))
     for _ in range(12):
-        found = as_float_array(np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0])
-        ground = base @ found
-        rest = level - ground
+        weighted = base.T * weight**2
+        found = as_float_array(np.linalg.lstsq(weighted @ base, weighted @ level, rcond=None)[0])
+        rest = level - base @ found
         spread = robust_std(rest[weight > 0.1]) + 1e-6
         weight = np.where(rim, 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
     return as_float32(quadratic_surface(found, values.shape))
 
 
-def _patches(signal: Float32Array, inside: BoolArray) -> Iterator[tuple[BoolArray, FloatArray]]:
+def _patches(
+    signal: Float32Array, inside: BoolArray, levels: Sequence[float]
+) -> Iterator[tuple[BoolArray, FloatArray]]:
     """Yield compact patches of a reduced copy above several levels, and the picture's pixels in one of it."""
     rows, columns = signal.shape
     shape = reduced_shape(signal.shape, max(rows, columns) / _ROUGH_SIDE)
@@ -181,7 +192,7 @@ def _patches(signal: Float32Array, inside: BoolArray) -> Iterator[tuple[BoolArra
     otsu, _ = cv2.threshold(scaled[counts].reshape(-1, 1), 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
     factor = np.array([columns / shape[1], rows / shape[0]])
     seen: list[BoolArray] = []
-    for part in _LEVELS:
+    for part in levels:
         patch = _compact((scaled > part * otsu) & counts)
         if patch is None or any(np.array_equal(patch, other) for other in seen):
             continue
@@ -213,9 +224,9 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
     t = np.linspace(0, 2 * math.pi, 720, endpoint=False)
     rough = (column, row) + np.stack([np.cos(t) * major, np.sin(t) * minor], axis=1) @ moments.axes
     points = evenly_spaced(rough, math.inf, min_count=_DIRECTIONS)
-    step = None
+    seen = np.where(inside, signal, np.float32(np.nan))
     for reach, order in zip(_REACHES, _ORDERS, strict=True):
-        step = _step_across(points, signal, inside, sign, reach)
+        step = _step_across(points, seen, sign, reach)
         if step is None:
             return None
         shift = _low_order(step.off, order, step.radius)
@@ -229,8 +240,8 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
     moments = polygon_moments(points)
     if not moments.spread[1] > 0:  # an outline that crosses itself
         return None
-    step = _step_across(points, signal, inside, sign, _REACHES[-1])
-    return step and replace(step, overlap=moments.overlap(points))
+    step = _step_across(points, seen, sign, _REACHES[-1])
+    return step and replace(step, overlap=moments.overlap(points), noise=_ground_spread(step, signal, inside))
 
 
 def _low_order(off: FloatArray, order: int, radius: float) -> FloatArray | None:
@@ -244,28 +255,29 @@ def _low_order(off: FloatArray, order: int, radius: float) -> FloatArray | None:
     number = (np.arange(base.shape[1]) + 1) // 2
     stiff = np.diag(_STIFF * len(off) * number**4 + 1e-6)
     values, weight = np.where(good, off, 0.0), good.astype(np.float64)
-    found = np.zeros(base.shape[1])
-    found[0] = np.median(off[good])
+    shift = np.full(len(off), np.median(off[good]))
     for _ in range(15):
-        rest = values - base @ found
+        rest = values - shift
         spread = robust_std(rest[good]) + 0.05 + _DENT / 4 * radius
         weight = good * np.maximum(0.0, 1 - (rest / (4 * spread)) ** 2) ** 2
         normal = base.T @ (base * weight[:, None]) + stiff
-        found = np.linalg.solve(normal, base.T @ (weight * values))
-    return np.asarray(base @ found)
+        before, shift = shift, base @ np.linalg.solve(normal, base.T @ (weight * values))
+        if np.abs(shift - before).max() < _SETTLED:
+            break
+    return np.asarray(shift)
 
 
-def _step_across(
-    points: FloatArray, signal: Float32Array, inside: BoolArray, sign: int, reach: float
-) -> Step | None:
-    """Return the step along an outline as profiles across it show it."""
+def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: float) -> Step | None:
+    """Return the step along an outline as profiles across it show it; the signal is NaN where nothing is."""
     radius = math.sqrt(abs(signed_area(points)) / math.pi)
     far = max(6.0, reach * radius)
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
-    places = points[:, None] + outward_normals(points)[:, None] * across[:, None]
-    counts = sample(inside.view(np.uint8), places, cv2.INTER_NEAREST, cv2.BORDER_CONSTANT) > 0
-    profiles = np.where(counts, sample(signal, places), np.nan).astype(np.float64)
+    out = as_float32(across)
+    x, y = (as_float32(points[:, [k]]) + as_float32(outward_normals(points)[:, [k]]) * out for k in (0, 1))
+    profiles = as_float32(
+        cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=math.nan)
+    )
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
         across, profiles = across[seen], profiles[:, seen]
@@ -277,7 +289,7 @@ def _step_across(
     place, width, others, ring = _edge_of(smooth, across, sign)
     if place is None or (sign == 0 and not ring):
         return None
-    near = min(1.2 * width + 0.5, 0.15 * radius)
+    near = _near(width, radius)
     inner = (across < place - near) & (across > place - near - max(4.0, 0.12 * radius))
     outer = (across > place + near) & (across < place + near + max(4.0, 0.12 * radius))
     if (inner.sum() < 3 and not ring) or outer.sum() < 3:
@@ -297,9 +309,7 @@ def _step_across(
         return None
     off = np.where(np.isfinite(profiles).mean(axis=1) > 0.7, off, np.nan)
     off = np.where(height > 0.35 * typical_height, off, np.nan)
-    noise = _ground_spread(signal, inside, points, 1 + (place + near) / radius)
-    beyond = smooth[outer]
-    bottom = float(np.median(beyond))
+    bottom = float(np.median(smooth[outer]))
     top = float(np.nanmedian(high)) if np.isfinite(high).any() else math.nan  # of a ring no plateau is seen
     trough = (across > place) & (across < place + near + 2 * width + 3)
     least = float(smooth[trough].min())
@@ -309,7 +319,6 @@ def _step_across(
         off=off,
         seen=float(np.isfinite(off).mean()),
         height=typical_height,
-        noise=noise,
         width=width,
         sign=sign,
         ring=ring,
@@ -321,15 +330,20 @@ def _step_across(
     )
 
 
-def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, larger: float) -> float:
-    """Return the robust standard deviation of a signal outside an outline."""
+def _near(width: float, radius: float) -> float:
+    """Return how far from an edge of a width the level is that of what lies there."""
+    return min(1.2 * width + 0.5, 0.15 * radius)
+
+
+def _ground_spread(step: Step, signal: Float32Array, inside: BoolArray) -> float:
+    """Return the robust standard deviation of a signal outside a step."""
     every = max(2, round(max(signal.shape) / _ROUGH_SIDE))
     rows, columns = signal.shape[0] // every, signal.shape[1] // every
     whole = np.s_[: rows * every, : columns * every]
     small = cv2.resize(signal[whole], (columns, rows), interpolation=cv2.INTER_AREA)
     counts = cv2.resize(inside[whole].astype(np.uint8), (columns, rows), interpolation=cv2.INTER_NEAREST)
-    centre = points.mean(axis=0)
-    wide = (centre + (points - centre) * max(1.0, larger) + 0.5) / every - 0.5
+    centre, larger = step.points.mean(axis=0), 1 + _near(step.width, step.radius) / step.radius
+    wide = (centre + (step.points - centre) * larger + 0.5) / every - 0.5
     ground = small[(filled_polygon(wide, small.shape) == 0) & (counts > 0)]
     if len(ground) < 20:
         return 0.0
@@ -338,16 +352,18 @@ def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, 
 
 def _running_median(values: FloatArray) -> FloatArray:
     """Return medians over nine neighbours along a closed outline."""
-    return _nanmedian(np.stack([np.roll(values, k) for k in range(-4, 5)]), axis=0)
+    around = np.concatenate([values[-4:], values, values[:4]])
+    return _nanmedian(np.lib.stride_tricks.sliding_window_view(around, 9), axis=1)
 
 
-def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
-    """Return medians along an axis, NaN where there is nothing, which NumPy would warn of."""
-    nothing = np.isnan(values).all(axis=axis)
-    if nothing.all():
-        return np.full(nothing.shape, np.nan)
-    found = np.nanmedian(np.where(np.expand_dims(nothing, axis), 0.0, values), axis=axis)
-    return np.where(nothing, np.nan, found)
+def _nanmedian(values: npt.NDArray[np.floating], axis: int) -> FloatArray:
+    """Return medians along an axis, NaN where there is nothing; NumPy's take ten times as long."""
+    if not values.size:
+        return np.full(np.delete(values.shape, axis), np.nan)
+    ordered = np.sort(values, axis=axis)  # NaN last
+    last = np.maximum(np.isfinite(values).sum(axis=axis, keepdims=True) - 1, 0)
+    low, high = (np.take_along_axis(ordered, place, axis) for place in (last // 2, (last + 1) // 2))
+    return as_float_array((low + high) / 2).squeeze(axis)
 
 
 def _edge_of(

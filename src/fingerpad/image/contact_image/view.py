@@ -166,12 +166,15 @@ class View:
         mask = self.shown if own else self.inside
         rows, columns = mask.shape
         x, y = points.T
-        off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
         # The top, left, bottom and right side are the caller's where they cut the picture, or its own.
         corner = np.array(self.part.corner)
         cut = np.concatenate([corner > 0, corner + self.part.pixels.shape < self.part.shape])
-        near = (off[cut != own] < margin).any(axis=0)
-        if not mask.all():
+        sides, whole = cut != own, bool(mask.all())
+        if whole and not sides.any():
+            return 0.0
+        off = np.array([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
+        near = (off[sides] < margin).any(axis=0)
+        if not whole:
             plain = cv2.erode(mask.astype(np.uint8), disk(max(1.0, border)))
             place = np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1)
             near |= plain[place] == 0
