@@ -2,6 +2,7 @@
 
 import resource
 import time
+import timeit
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,12 +11,7 @@ _MB_PER_KIB = 1.024e-3
 
 def best(function: Callable[[], object], repeats: int = 9) -> float:
     """Return the shortest of several run times of this thread, in seconds."""
-    times = []
-    for _ in range(repeats):
-        start = time.thread_time()
-        function()
-        times.append(time.thread_time() - start)
-    return min(times)
+    return min(timeit.repeat(function, timer=time.thread_time, number=1, repeat=repeats))
 
 
 def peak_mb() -> float:

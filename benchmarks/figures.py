@@ -31,7 +31,8 @@ def layer() -> None:
     above, below = panels[:3], panels[3:]
     for nu, colour in _COLOURS.items():
         exact, points = Circles(_LINES, nu), Circles(_SOLVED, nu)
-        at_load, at_depth = points.solved("load"), points.solved("indentation")
+        solved, load = points.solved("load"), points.solved("indentation").load / points.load
+        by_solver = solved.area / points.area, solved.indentation / points.indentation, load
         lines = exact.area_ratio, exact.load_at_depth, exact.load_at_area
         for axes, line in zip(above, lines, strict=True):
             axes.plot(_LINES, line, color=colour, label=f"exact, ν = {nu:g}")
@@ -39,11 +40,6 @@ def layer() -> None:
         hertz = exact.pressed(hertz_contact, "load")
         by_hertz = hertz.area / exact.area, hertz.indentation / exact.indentation, 1 / exact.load_at_depth
         by_law = fast.area / exact.area, fast.indentation / exact.indentation, by_depth.load / exact.load
-        by_solver = (
-            np.array([each.area for each in at_load]) / points.area,
-            np.array([each.indentation for each in at_load]) / points.indentation,
-            np.array([each.load for each in at_depth]) / points.load,
-        )
         for axes, ours, law, theirs in zip(below, by_solver, by_law, by_hertz, strict=True):
             axes.plot(_LINES, np.abs(theirs - 1), color=colour, ls=(0, (4, 2)))
             axes.plot(_LINES, np.abs(law - 1), color=colour)

@@ -14,10 +14,8 @@ COLUMNS = "kind", "n", "refused", "flagged", "rms error", "held", "without a fla
 def report(count: int = 22, first_seed: int = 1000) -> None:
     """Print how often the diameter is found, refused, flagged or wrong, and what its interval holds."""
     cv2.setNumThreads(1)
-    found = {
-        kind: np.array([_error(kind, first_seed + seed) for seed in range(count)])
-        for kind in (*KINDS, *NOT_ONE_COIN)
-    }
+    seeds = range(first_seed, first_seed + count)
+    found = {kind: np.array([_error(kind, seed) for seed in seeds]) for kind in (*KINDS, *NOT_ONE_COIN)}
     found["all with a coin"] = np.concatenate([found[kind] for kind in KINDS])
     table((*COLUMNS, "over 1 % off", "over 2 % off"), (_row(kind, rows) for kind, rows in found.items()))
 

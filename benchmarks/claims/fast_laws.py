@@ -5,12 +5,13 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.arrays import Array
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, kept_contacts, kept_pads
 from benchmarks.tables import table
 from benchmarks.truth.layers import circular_contacts
-from fingerpad.contact import Contact, SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
+from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -42,9 +43,10 @@ class Circles:
         """Return the same contacts by Hertz theory or a fast law, from their loads or their indentations."""
         return law(_BALL, self.tissue, **{given: getattr(self, given)})
 
-    def solved(self, given: str) -> list[SolvedContact]:
-        """Solve the same contacts on 256² cells, by their loads or their indentations."""
-        return [solve_contact(_BALL, self.tissue, **{given: one}) for one in getattr(self, given).tolist()]
+    def solved(self, given: str) -> pd.DataFrame:
+        """Return load, area and indentation of the same contacts on 256² cells, by loads or indentations."""
+        solved = (solve_contact(_BALL, self.tissue, **{given: one}) for one in getattr(self, given).tolist())
+        return pd.DataFrame([{name: float(getattr(one, name)) for name in _NAMES} for one in solved])
 
 
 def circles() -> None:
@@ -53,27 +55,20 @@ def circles() -> None:
     sizes = np.array([0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0])
     for nu in (0.5, 0.48, 0.45, 0.3):
         exact = Circles(sizes, nu)
-        hertz, fast = (exact.pressed(law, "load") for law in (hertz_contact, fast_contact))
-        solved = exact.solved("load")
+        ways = *(exact.pressed(law, "load") for law in (hertz_contact, fast_contact)), exact.solved("load")
         for i, size in enumerate(sizes):
-            found = [(one.area[i], one.indentation[i]) for one in (hertz, fast)]
-            found.append((solved[i].area, solved[i].indentation))
+            found = [(one.area[i], one.indentation[i]) for one in ways]
             errors = [f"{a / exact.area[i] - 1:+.0e}, {x / exact.indentation[i] - 1:+.0e}" for a, x in found]
             ratios = (f"{one[i]:.3f}" for one in (exact.area_ratio, exact.load_at_depth, exact.load_at_area))
             rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
     columns = "a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A", "Hertz: errors of A, ξ at W"
-    table(
-        (*columns, "fast law", "solver"),
-        rows,
-        "A circular contact on a bonded layer, by one integral equation to ten digits",
-    )
+    title = "A circular contact on a bonded layer, by one integral equation to ten digits"
+    table((*columns, "fast law", "solver"), rows, title)
     sizes = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.5, 0.7])
-    exact = Circles(sizes, 0.5)
-    table(
-        ("series", *(f"a/t = {size:g}" for size in sizes)),
-        ((name, *(f"{one:+.2%}" for one in exact.series(name) / exact.load_at_depth - 1)) for name in SERIES),
-        "Errors of published series: load at an indentation, ν = 0.5",
-    )
+    exact, head = Circles(sizes, 0.5), ("series", *(f"a/t = {size:g}" for size in sizes))
+    errors_of = {name: exact.series(name) / exact.load_at_depth - 1 for name in SERIES}
+    cells = ((name, *(f"{one:+.2%}" for one in errors)) for name, errors in errors_of.items())
+    table(head, cells, "Errors of published series: load at an indentation, ν = 0.5")
 
 
 def silhouette_radius(pads: Placement) -> Array:
@@ -206,11 +201,8 @@ def cost(count: int = 400_000) -> None:
             start = time.process_time()
             call()
             shortest[title] = min(shortest[title], time.process_time() - start)
-    table(
-        ("law", "time over that of `hertz_contact`"),
-        ((title, f"{seconds / shortest['Hertz']:.1f}") for title, seconds in shortest.items()),
-        f"{count:,} contacts, one thread",
-    )
+    rows = ((title, f"{seconds / shortest['Hertz']:.1f}") for title, seconds in shortest.items())
+    table(("law", "time over that of `hertz_contact`"), rows, f"{count:,} contacts, one thread")
 
 
 def report() -> None:

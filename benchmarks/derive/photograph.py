@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from functools import lru_cache
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 from unittest.mock import patch
 
 import numpy as np
@@ -33,42 +33,39 @@ _fitted = lru_cache(maxsize=None)(face_arc._fitted)
 _shapes_averaged = lru_cache(maxsize=None)(face_arc._average_over_shapes)
 
 
-class SeenFace(NamedTuple):
-    """The arc of a face, and its true semi-axes, mm."""
-
-    arc: FaceArc
-    semi_axes: Array
+# The arc of a face, and its true semi-axes, mm.
+SeenFace: TypeAlias = tuple[FaceArc, Array]
 
 
 def _arcs(count: int, seed: int) -> Iterator[SeenFace]:
     """Yield faces of all kinds of truth, each with the arc of its outline."""
     for _, truth, found in fingertips.measured(count, seed):
         if found is not None:
-            yield SeenFace(found._arc, np.asarray(truth.semi_axes))
+            yield found._arc, np.asarray(truth.semi_axes)
     for finger in fingers(max(count // 3, 2), seed):
         for face, found in anatomic_fingers.measure(finger).items():
-            yield SeenFace(found._arc, np.asarray(finger.semi_axes[face]))
+            yield found._arc, np.asarray(finger.semi_axes[face])
     for marked in (False, True):
         for number in range(12 * count):
             ellipse = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
             found = photographs.measure(ellipse, marked=marked)
             if found is not None:
-                yield SeenFace(found._arc, np.asarray(ellipse.semi_axes))
+                yield found._arc, np.asarray(ellipse.semi_axes)
     for _, face, points, semi_axes in outlines.drawn(4 * count, seed):
-        yield SeenFace(_arc(face, points, fit_aligned_ellipse(points).ellipse), semi_axes)
+        yield _arc(face, points, fit_aligned_ellipse(points).ellipse), semi_axes
 
 
 @lru_cache(maxsize=2)
 def faces(count: int, seed: int) -> tuple[SeenFace, ...]:
     """Return the faces whose arc determines an ellipse."""
     seen = []
-    for one in _arcs(count, seed):
+    for arc, true in _arcs(count, seed):
         try:
-            _fitted(one.arc)
-            face_arc.face_from_arc(one.arc)
+            _fitted(arc)
+            face_arc.face_from_arc(arc)
         except FitError:
             continue
-        seen.append(one)
+        seen.append((arc, true))
     return tuple(seen)
 
 
@@ -78,8 +75,8 @@ def _compared(seen: Sequence[SeenFace], name: str, model: Any, *modules: ModuleT
         stack.enter_context(patch.object(face_arc, "_fitted", _fitted))
         for module in modules:
             stack.enter_context(patch.object(module, name, model))
-        found = [face_arc.face_from_arc(one.arc) for one in seen]
-    true = np.stack([one.semi_axes for one in seen])
+        found = [face_arc.face_from_arc(arc) for arc, _ in seen]
+    true = np.stack([semi_axes for _, semi_axes in seen])
     errors = np.stack([one.semi_axes for one in found]) / true - 1
     stds = np.sqrt([np.diagonal(one.edge_covariance) for one in found]) / true
     return Compared(errors.clip(-_MOST, _MOST).ravel(), stds.ravel())
@@ -96,18 +93,14 @@ def compare_lengths(model: Any, seen: Sequence[SeenFace]) -> Compared:
         return _compared(seen, "LENGTHS", model, face_arc, shape)
 
 
-class SeenRadius(NamedTuple):
-    """A side face, the angle of its normal, radians, and the true radius there, mm."""
-
-    found: PhotographFit
-    angle: float
-    radius: float
+# A side face, the angle of its normal, radians, and the true radius there, mm.
+SeenRadius: TypeAlias = tuple[PhotographFit, float, float]
 
 
 def radii(count: int, seed: int) -> list[SeenRadius]:
     """Return the places where wedges touch side faces."""
     return [
-        SeenRadius(found, angle, truth.radius(angle))
+        (found, angle, truth.radius(angle))
         for _, truth, found in fingertips.measured(count, seed, ("radial",))
         if found is not None
         for angle in np.radians(_WEDGES_DEG).tolist()
@@ -117,8 +110,8 @@ def radii(count: int, seed: int) -> list[SeenRadius]:
 def compare_radii(model: Any, seen: Sequence[SeenRadius]) -> Compared:
     """Fit radii under other numbers."""
     with patch.object(shape, "RADIUS", model):
-        found = np.array([one.found.outline_radius(one.angle) for one in seen])
-    errors, stds = (found / [[one.radius] for one in seen] - [1, 0]).T
+        found = np.array([face.outline_radius(angle) for face, angle, _ in seen])
+    errors, stds = (found / [[radius] for *_, radius in seen] - [1, 0]).T
     return Compared(np.nan_to_num(errors, nan=_UNSEEN).clip(-_MOST, _MOST), np.nan_to_num(stds, nan=_UNSEEN))
 
 

@@ -129,10 +129,6 @@ def _share(pressure: Array) -> Array:
 
 def _picture(touching: Array, beside: Array, step: float, binning: int, c: Condition, *, rng: Rng) -> Array:
     """Return the image, 0 to 1, of the touching ridges and of what is seen beside them."""
-
-    def blurred(field: Array, sigma: float) -> Array:
-        return cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3))
-
     shape, density = touching.shape, touching.astype(np.float32)
     spread = rng.uniform(*c.spread)
     if spread:
@@ -146,7 +142,8 @@ def _picture(touching: Array, beside: Array, step: float, binning: int, c: Condi
     if c.paper:
         fibre = smooth(rng, shape, 0.05 / step) + 0.5 * smooth(rng, shape, 0.2 / step)
         density *= np.clip(1 + c.paper * fibre, 0, 1.2)
-    density = blurred(np.maximum(density, beside), rng.uniform(*c.blur))
+    sigma = max(rng.uniform(*c.blur) / step, 0.3)
+    density = np.asarray(cv2.GaussianBlur(np.maximum(density, beside), (0, 0), sigma), np.float32)
     disc = rng.uniform(*c.disc) / 2 / step
     if disc > 1:
         reach = int(disc) + 1

@@ -114,7 +114,6 @@ def render(rng: Rng, condition: Condition) -> IndependentImage:
 
 
 def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> Array:
-    """Return pixels."""
     step = 25.4 / condition.ppi
     low, high = contact.outline.points().min(axis=0), contact.outline.points().max(axis=0)
     before, after = rng.uniform(1.5, 4, (2, 2))

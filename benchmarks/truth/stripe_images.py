@@ -204,7 +204,6 @@ def _dirt(shape: tuple[int, int], step: float, density: float, rng: Rng) -> Arra
 
 
 def _picture(dark: Array, step: float, binning: int, c: Condition, rng: Rng) -> Array:
-    """Return the image."""
     dark = 1 - (1 - dark) * (1 - _dirt(dark.shape, step, c.dirt, rng))
     dark = cv2.GaussianBlur(dark.astype(np.float32), (0, 0), rng.uniform(*c.blur) / step)
     dark = 0.95 * dark + 0.05 * cv2.GaussianBlur(dark, (0, 0), 0.6 / step)
