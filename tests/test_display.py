@@ -76,6 +76,7 @@ def test_uncertain_outputs_print_one_line_each() -> None:
     assert str(radius).startswith("13.80 ± 0.18")
     two = fp.pad_uncertainty(**quantities, load=([1.0, 2.0], 0.02), wedge_angle=0.5)
     assert "\n  indentation " in str(two)
+    assert f"{two['indentation']:.1f}" == repr(two["indentation"])  # of several, as without a format
 
 
 def test_summaries_show_uncertainties(results: dict[str, object]) -> None:

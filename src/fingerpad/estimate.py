@@ -193,7 +193,8 @@ class Estimate(Displayed):
         return str(self)
 
     def __format__(self, spec: str) -> str:
-        return f"{self.value:{spec}} ± {self.std:{spec}}" if spec and self.known else str(self)
+        one = self.known and not np.ndim(self.value)
+        return f"{self.value:{spec}} ± {self.std:{spec}}" if spec and one else str(self)
 
     def __str__(self) -> str:
         if self.reason:

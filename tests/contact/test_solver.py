@@ -145,7 +145,9 @@ def test_agrees_with_tamaas() -> None:
         ({"load": 1.0, "area": 1.0}, "found 2"),
         ({"load": 0.0}, "load must be positive and finite, found 0"),
         ({"area": math.nan}, "area must be positive and finite, found nan"),
-        ({"load": 1.0, "points": 40}, "points must be at least 64, found 40"),
+        ({"load": 1.0, "points": 40}, "points must be a whole number from 64 to 4096, found 40"),
+        ({"load": 1.0, "points": 64.5}, "points must be a whole number .*, found 64.5"),
+        ({"load": 1.0, "points": 10**6}, "points must be a whole number .*, found 1000000"),
         ({"load": 100.0}, "would press through the layer's thickness of 2"),
         ({"thickness": 0.1, "indentation": 0.06}, r"a tenth of the contact's mean radius 1\..*, found 0.1"),
     ],
@@ -153,6 +155,18 @@ def test_agrees_with_tamaas() -> None:
 def test_invalid_arguments(given: dict[str, float], message: str) -> None:
     with pytest.raises(GeometryError, match=message):
         on_layer(**{"thickness": 2.0, "poisson_ratio": 0.3, "points": 64, **given})
+
+
+@pytest.mark.parametrize("given", [{"load": 1e2}, {"load": 1e9}, {"area": 1e9}, {"indentation": 1e9}])
+def test_a_pad_far_too_hard_pressed_is_said_to_be(given: dict[str, float]) -> None:
+    place = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=0.5)
+    with pytest.raises(GeometryError, match="would flatten the pad to its silhouette"):
+        solve_contact(place, HALF_SPACE, points=64, **given)
+
+
+def test_a_gap_is_a_function() -> None:
+    with pytest.raises(GeometryError, match="gap must be a function of x and y, found float"):
+        solve_gap(0.5, HALF_SPACE, half_widths=(3, 3), load=1.0)
 
 
 @pytest.mark.parametrize("given", [{"indentation": 1.0}, {"area": 31.4159}, {"load": 0.42164}])

@@ -22,11 +22,13 @@ from fingerpad.contact.hertz import hertz_contact
 from fingerpad.contact.influence import Convolution, influence
 from fingerpad.contact.pressure import solve_pressure
 from fingerpad.exceptions import ConvergenceError, GeometryError
+from fingerpad.geometry import Placement
 
 GapHeight: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 
 _MOVES = 30  # of a grid, before it is given up
 _COARSEST = 32  # cells along each side of the first grid
+_FINEST = 4096  # of the last one, for which transforms take gigabytes
 _FEWEST = 20  # cells of the first grid in contact
 _AREA_TOLERANCE = 1e-6
 _SECANTS = 8
@@ -119,7 +121,7 @@ def solve_contact(
     load, area, indentation : float
         Exactly one of normal force W, contact area A and mutual approach ξ.
     points : int
-        Cells along each side of the finest grid.
+        Cells along each side of the finest grid, 64 to 4096.
 
     Returns
     -------
@@ -157,7 +159,9 @@ def solve_contact(
         )
     check_all(np.isfinite(value) & (value > 0), name, value, "positive and finite", GeometryError)
     guess = hertz_contact(placement, tissue, **{name: value})
-    semi_axes = float(guess.semi_major), float(guess.semi_minor)
+    # A grid far wider than the pad would miss it.
+    widest = placement.ellipsoid.semi_axes.max() if isinstance(placement, Placement) else math.inf
+    semi_axes = min(float(guess.semi_major), widest), min(float(guess.semi_minor), widest)
     gap = placement.gap
     return solve_gap(
         gap.height,
@@ -222,8 +226,13 @@ def solve_gap(
     name, number = only_given(load=load, area=area, indentation=indentation)
     value = float(number)
     check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
-    if points < 2 * _COARSEST:
-        raise GeometryError(f"points must be at least {2 * _COARSEST}, found {points}")
+    if not 2 * _COARSEST <= points <= _FINEST or points % 1:
+        raise GeometryError(
+            f"points must be a whole number from {2 * _COARSEST} to {_FINEST}, found {points}"
+        )
+    points = int(points)
+    if not callable(gap):
+        raise GeometryError(f"gap must be a function of x and y, found {type(gap).__name__}")
     if np.shape(half_widths) != (2,) or not (as_float_array(half_widths, "half_widths") > 0).all():
         raise GeometryError(f"half_widths must be two positive lengths, found {half_widths}")
     angle = finite_angle("angle", angle)
