@@ -15,6 +15,7 @@ import fingerpad as fp
 from fingerpad._display import Displayed, record_text
 from fingerpad.image import BrushStroke, Picture, prepare_contact_image
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
+from fingerpad.uncertainty import sobol_indices
 
 PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
@@ -59,6 +60,13 @@ def test_public_dataclasses_have_summaries() -> None:
     assert len(classes) > 10
     own = [kind for kind in classes if not issubclass(kind, Displayed) or "__repr__" in vars(kind)]
     assert own == [fp.FrameRate]  # of a few numbers
+
+
+def test_numbers_are_shown_by_their_names() -> None:
+    inputs = fp.Inputs.of(a=(2.0, 0.3), b=(1.0, 0.5))
+    found = sobol_indices(lambda a, b: {"product": a * b}, inputs)["product"]
+    assert f"first=(a: {found.first['a']:.6g}, b: {found.first['b']:.6g})" in repr(found)
+    assert "groups=(a, b)" in repr(inputs)
 
 
 def test_uncertain_outputs_print_one_line_each() -> None:

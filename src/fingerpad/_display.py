@@ -4,6 +4,7 @@ import base64
 import html
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
@@ -96,7 +97,12 @@ def _is_long(value: Displayed) -> bool:
 
 
 def _few_items(values: Mapping[Any, Any] | list[Any] | tuple[Any, ...] | frozenset[Any]) -> str:
-    items = [short_text(value) for value in values]
+    if isinstance(values, Mapping):  # keys alone, but for numbers
+        items = [
+            f"{key}: {short_text(one)}" if isinstance(one, Real) else str(key) for key, one in values.items()
+        ]
+    else:
+        items = [short_text(value) for value in values]
     if isinstance(values, frozenset):
         items.sort()
     return f"[{', '.join(items)}]" if isinstance(values, list) else f"({', '.join(items)})"
