@@ -10,6 +10,7 @@ import pytest
 import tifffile
 from PIL import Image
 
+from fingerpad import exceptions
 from fingerpad._arrays import as_float_array
 from fingerpad.contact import (
     Tissue,
@@ -22,15 +23,6 @@ from fingerpad.contact import (
     size_factor,
     solve_gap,
     youngs_modulus,
-)
-from fingerpad.exceptions import (
-    CalibrationError,
-    FingerpadError,
-    FitError,
-    GeometryError,
-    ImageError,
-    LoadingError,
-    UncertaintyError,
 )
 from fingerpad.geometry import Counterface, Ellipse, Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.image import (
@@ -75,7 +67,7 @@ PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(
 
 
 INVALID = {
-    ImageError: [
+    exceptions.ImageError: [
         (lambda: ImageEllipse(**CENTRE, semi_axes=(-1, 2)), r"larger first, found \(-1, 2\)"),
         (lambda: ImageEllipse(**CENTRE, semi_axes=(60, 80)), "larger first"),
         (lambda: BrushStroke(**STROKE | {"action": "paint"}), "a stroke must add or remove, found 'paint'"),
@@ -85,11 +77,11 @@ INVALID = {
         (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey"),
         (lambda: Picture(pixels=np.zeros((2, 2, 3)), dots_per_inch=500), r"found shape \(2, 2, 3\)"),
     ],
-    FitError: [
+    exceptions.FitError: [
         (lambda: FaceSemiAxes(**FACE | {"face": "top"}), "face must be one of palmar.*found 'top'"),
         (lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}), "palmar face: semi_axes must be two pos"),
     ],
-    GeometryError: [
+    exceptions.GeometryError: [
         *(
             (partial(dataclasses.replace, PAD, **{name: bad}), f"semi-axis {name} must be positive")
             for name in ("palmar", "distal", "radial_ulnar")
@@ -136,7 +128,7 @@ INVALID = {
         (lambda: Gap(first_radius=12, **GAP | {"second_radius": 0}), "second_radius must be positive"),
         (lambda: solve_gap(**GAP_TO_SOLVE, half_widths=(3, 0)), "half_widths must be two posit"),
     ],
-    LoadingError: [
+    exceptions.LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
         (lambda: LoadingCurve(load=["a"], indentation=[0]), r"load must be numeric, found \['a'\]"),
         (lambda: LoadingCurve(load=MASKED, indentation=np.arange(3.0)), "load is not finite in row 2"),
@@ -146,7 +138,7 @@ INVALID = {
         (lambda: PhaseIntervals([0, 1], ["x", "hold"]), "phase must be one of before, loading.*found 'x'"),
         (lambda: PhaseIntervals([0, "b"], ["loading", "hold"]), "start must be numeric"),
     ],
-    UncertaintyError: [
+    exceptions.UncertaintyError: [
         (lambda: pool(MASKED, [0.1, 0.1, 0.1]), "value to pool must be finite, found nan at index 1"),
         (
             lambda: pool_random_effects([9.0, 9.0, 9.0], MASKED),
@@ -154,7 +146,7 @@ INVALID = {
         ),
     ],
     # Sequences are refused where they are called, not where they are iterated over.
-    FingerpadError: [
+    exceptions.FingerpadError: [
         (lambda: measure_sequence("none.tif", 0.05), "no such file"),
         (lambda: measure_sequence(1.0, 0.05), "frames must be a path, .*found float"),
         (lambda: measure_sequence(np.zeros((3, 40, 30)), 0.05), "frames must be a path, .*found ndarray"),
@@ -163,7 +155,7 @@ INVALID = {
         (lambda: measure_frames([], "500", None), "mm_per_px must be numeric, found '500'"),
         (lambda: measure_sequence([], 0.05, force=ForceSignal([0, 1], [0, 1])), "force and phases need"),
     ],
-    CalibrationError: [
+    exceptions.CalibrationError: [
         (lambda: Scale("a"), "mm_per_px must be numeric, found 'a'"),
         (lambda: Scale.of_ppi("500"), "ppi must be numeric, found '500'"),
         (lambda: Picture(pixels=np.zeros((20, 30), np.uint8), dots_per_inch=-1), "dots_per_inch must be pos"),
@@ -248,10 +240,10 @@ def test_image_arguments(tmp_path: Path) -> None:
     for image in (path, str(path), read_image(path)):
         assert measure_contact_image(image, scale.mm_per_px).as_record() == wanted
     assert prepare_contact_image(truth.pixels, scale.mm_per_px).scale == Scale(scale.mm_per_px)
-    with pytest.raises(ImageError, match="no such file"):
+    with pytest.raises(exceptions.ImageError, match="no such file"):
         measure_contact_image(str(tmp_path / "none.png"), scale)
     for wrong, words in ((500, "between .*found 500"), ("500", "numeric, found '500'")):
-        with pytest.raises(CalibrationError, match=f"mm_per_px must be {words}"):
+        with pytest.raises(exceptions.CalibrationError, match=f"mm_per_px must be {words}"):
             measure_contact_image(path, wrong)
 
 

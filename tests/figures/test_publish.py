@@ -19,16 +19,10 @@ from fingerpad.figures import (
     plot_aspect_ratio,
     plot_corrected_radius,
     plot_press,
+    publish,
 )
 from fingerpad.figures.marks import Figure, Points
 from fingerpad.figures.mpl import draw_figure
-from fingerpad.figures.publish import (
-    FigureSettings,
-    figure_colours,
-    figure_csv,
-    figure_file,
-    with_settings,
-)
 
 LOAD = np.array([0.25, 0.5, 1.0, 2.0])
 VALUE = np.array([13.1, 13.4, 13.25, 13.9])
@@ -43,18 +37,18 @@ def figure():
 
 
 def data_of(figure: Figure) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(figure_csv(figure))))
+    return list(csv.DictReader(io.StringIO(publish.figure_csv(figure))))
 
 
 @pytest.mark.parametrize("width_mm", [89.0, 190.0])
 def test_width_as_asked(figure, width_mm):
-    settings = FigureSettings(width_mm=width_mm, height_mm=60.0, dpi=150)
-    with Image.open(io.BytesIO(figure_file(figure, "png", settings))) as picture:
+    settings = publish.FigureSettings(width_mm=width_mm, height_mm=60.0, dpi=150)
+    with Image.open(io.BytesIO(publish.figure_file(figure, "png", settings))) as picture:
         assert picture.size == (round(width_mm / 25.4 * 150), round(60 / 25.4 * 150))
         assert_allclose(picture.info["dpi"], 150, atol=0.05)
-    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", figure_file(figure, "pdf", settings))
+    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", publish.figure_file(figure, "pdf", settings))
     assert_allclose([float(end) / 72 * 25.4 for end in box.groups()], [width_mm, 60.0], atol=0.01)
-    root = ElementTree.fromstring(figure_file(figure, "svg", settings))
+    root = ElementTree.fromstring(publish.figure_file(figure, "svg", settings))
     assert_allclose(float(root.get("width").removesuffix("pt")) / 72 * 25.4, width_mm, atol=0.01)
 
 
@@ -75,10 +69,10 @@ def test_csv_has_the_plotted_data(figure):
 
 
 def test_axes_font_and_colours(figure):
-    settings = FigureSettings(
+    settings = publish.FigureSettings(
         x_range=(0.1, 3), y_range=(None, 20), x_scale="log", font_pt=10, colours=("black", "#aa0000")
     )
-    wanted = with_settings(figure, settings)
+    wanted = publish.with_settings(figure, settings)
     drawn, (panel,) = draw_figure(wanted), wanted.panels
     drawn.canvas.draw()
     (axes,) = drawn.axes
@@ -86,25 +80,25 @@ def test_axes_font_and_colours(figure):
     assert_allclose((axes.get_xlim(), axes.get_ylim()), (panel.limits("x"), panel.limits("y")))
     assert axes.containers[0][0].get_color() == "#000000"
     assert axes.xaxis.label.get_fontsize() == 10
-    drawing = figure_file(figure, "svg", settings).decode()
+    drawing = publish.figure_file(figure, "svg", settings).decode()
     assert re.search(r'font-size="10"[^>]*>normal load W', drawing)
-    assert figure_colours(figure)[0].lower() not in drawing.lower()
-    linear = with_settings(wanted, FigureSettings(x_scale="linear", x_range=(0, None)))
+    assert publish.figure_colours(figure)[0].lower() not in drawing.lower()
+    linear = publish.with_settings(wanted, publish.FigureSettings(x_scale="linear", x_range=(0, None)))
     (axes,) = draw_figure(linear).axes
     assert (axes.get_xscale(), axes.get_xlim()[0]) == ("linear", 0)
 
 
 def test_one_end_beyond_the_data_is_refused(figure):
     with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
-        draw_figure(with_settings(figure, FigureSettings(x_range=(7, None))))
-    (axes,) = draw_figure(with_settings(figure, FigureSettings(x_range=(7, 9)))).axes
+        draw_figure(publish.with_settings(figure, publish.FigureSettings(x_range=(7, None))))
+    (axes,) = draw_figure(publish.with_settings(figure, publish.FigureSettings(x_range=(7, 9)))).axes
     assert axes.get_xlim() == (7, 9)
 
 
 def test_same_bytes_each_time(figure):
     for kind in ("svg", "pdf", "png"):
-        settings = FigureSettings(width_mm=60, dpi=60)
-        assert figure_file(figure, kind, settings) == figure_file(figure, kind, settings)
+        settings = publish.FigureSettings(width_mm=60, dpi=60)
+        assert publish.figure_file(figure, kind, settings) == publish.figure_file(figure, kind, settings)
 
 
 @pytest.mark.parametrize(
@@ -123,7 +117,7 @@ def test_same_bytes_each_time(figure):
 )
 def test_bad_values_refused_in_words(settings, words):
     with pytest.raises(FigureError, match=words):
-        FigureSettings(**settings)
+        publish.FigureSettings(**settings)
 
 
 def test_panels_of_several_quantities_keep_their_axes():
@@ -131,8 +125,8 @@ def test_panels_of_several_quantities_keep_their_axes():
     columns = dict.fromkeys(("time", "load", "area", "semi_major", "semi_minor"), LOAD)
     plot_press(panels, **columns, phase=["loading"] * 4)
     with pytest.raises(FigureError, match="the panels of this figure show 2 quantities"):
-        draw_figure(with_settings(made, FigureSettings(x_range=(0, 1))))
-    assert len(draw_figure(with_settings(made, FigureSettings(width_mm=183))).axes) == 4
+        draw_figure(publish.with_settings(made, publish.FigureSettings(x_range=(0, 1))))
+    assert len(draw_figure(publish.with_settings(made, publish.FigureSettings(width_mm=183))).axes) == 4
 
 
 def test_from_the_command_line(figure, tmp_path):
@@ -148,7 +142,7 @@ def test_from_the_command_line(figure, tmp_path):
     with Image.open(out) as picture:
         assert picture.width == round(89 / 25.4 * 100)
     assert cli(tmp_path / "radius.csv") == (0, "")
-    assert (tmp_path / "radius.csv").read_text(encoding="utf-8") == figure_csv(figure)
+    assert (tmp_path / "radius.csv").read_text(encoding="utf-8") == publish.figure_csv(figure)
     for arguments, words in (
         (
             (tmp_path / "radius.gif",),
@@ -199,5 +193,5 @@ def test_a_contact_left_out_is_faded_and_named_so_in_the_data(plot):
     faded = [mark for mark in panel.marks if isinstance(mark, Points) and mark.alpha < 1]
     assert [mark.x.tolist() for mark in faded] == [[0.5]]
     assert {row["x"] for row in data_of(made) if "left out" in row["series"]} == {"0.5"}
-    assert 'opacity="0.4"' in figure_file(made, "svg", FigureSettings()).decode()
+    assert 'opacity="0.4"' in publish.figure_file(made, "svg", publish.FigureSettings()).decode()
     assert 0.4 in [one[0].get_alpha() for one in draw_figure(made).axes[0].containers]

@@ -9,30 +9,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fingerpad import image
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    BrushStroke,
-    ImageEllipse,
-    RegionPolygon,
-    Scale,
-    measure_contact_image,
-    prepare_contact_image,
-)
 from fingerpad.simulate import render_contact_image
 
-PPI_500 = Scale.of_ppi(500)
+PPI_500 = image.Scale.of_ppi(500)
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
-PREPARED = prepare_contact_image(TRUTH.pixels, PPI_500)
+PREPARED = image.prepare_contact_image(TRUTH.pixels, PPI_500)
 PLAIN = PREPARED.measure()
 CENTRE = PLAIN.centroid
 
 
 def stroke(action, *points, radius=20):
-    return BrushStroke(action=action, points=points, radius=radius)
+    return image.BrushStroke(action=action, points=points, radius=radius)
 
 
 def polygon(action, points):
-    return RegionPolygon(action=action, points=[tuple(point) for point in points])
+    return image.RegionPolygon(action=action, points=[tuple(point) for point in points])
 
 
 def with_smudge():
@@ -49,7 +42,7 @@ def with_smudge():
 
 def test_smudge_removed():
     pixels = with_smudge()
-    prepared = prepare_contact_image(pixels, PPI_500)
+    prepared = image.prepare_contact_image(pixels, PPI_500)
     dirty = prepared.measure()
     assert dirty.gross_area > 1.1 * TRUTH.gross_area
     # A person follows the true outline with a small brush, then clears what lies beyond.
@@ -74,7 +67,7 @@ def test_smudge_removed():
 
 
 def test_no_edits_equal_automatic():
-    assert PREPARED.measure().as_record() == measure_contact_image(TRUTH.pixels, PPI_500).as_record()
+    assert PREPARED.measure().as_record() == image.measure_contact_image(TRUTH.pixels, PPI_500).as_record()
 
 
 @given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
@@ -88,7 +81,7 @@ def test_remove_then_add(radius, row, column, other):
 
 @pytest.mark.parametrize("orientation_deg", [30, -60])
 def test_manual_ellipse(orientation_deg):
-    hand = ImageEllipse(
+    hand = image.ImageEllipse(
         centre=(CENTRE[0] + 3.3, CENTRE[1] - 2.6),
         semi_axes=(120.5, 80.25),
         orientation=math.radians(orientation_deg),
@@ -108,11 +101,11 @@ def test_manual_ellipse(orientation_deg):
 
 def test_manual_contact_where_none_found():
     faint = np.random.default_rng(1).normal(120, 3, (300, 300))
-    prepared = prepare_contact_image(faint, PPI_500)
+    prepared = image.prepare_contact_image(faint, PPI_500)
     assert "no contact found" in prepared.reason
     with pytest.raises(ImageError, match="no contact found"):
         prepared.measure()
-    drawn = prepared.measure(ellipse=ImageEllipse(centre=(150, 150), semi_axes=(90, 70)))
+    drawn = prepared.measure(ellipse=image.ImageEllipse(centre=(150, 150), semi_axes=(90, 70)))
     assert drawn.gross_area == pytest.approx(math.pi * 90 * 70 * PPI_500.mm_per_px**2, rel=1e-3)
     painted = prepared.measure([stroke("add", (150, 150), radius=60)])
     assert painted.gross_area == pytest.approx(math.pi * 60**2 * PPI_500.mm_per_px**2, rel=0.02)
@@ -133,7 +126,7 @@ def test_a_polygon_replaces_the_region():
     assert drawn.ellipse.semi_major == pytest.approx(8, rel=3e-3)
     assert "edited_manually" in drawn.flags
     # The hand's error: that of an ellipse placed manually, which is drawn all round as well.
-    ellipse = ImageEllipse(centre=TRUTH.centroid, semi_axes=(8 / TRUTH.mm_per_px, 6 / TRUTH.mm_per_px))
+    ellipse = image.ImageEllipse(centre=TRUTH.centroid, semi_axes=(8 / TRUTH.mm_per_px, 6 / TRUTH.mm_per_px))
     assert drawn.gross_area_std == pytest.approx(PREPARED.measure(ellipse=ellipse).gross_area_std, rel=0.02)
     larger = true_outline() + 0.1 * (true_outline() - TRUTH.centroid)
     assert PREPARED.measure([polygon("replace", larger)]).gross_area == pytest.approx(
@@ -162,7 +155,7 @@ def test_histogram_counts_the_levels_that_a_threshold_parts():
     above = counts[edges[:-1] > PLAIN.threshold].sum() / counts.sum()
     ridges = TRUTH.ridge_area / TRUTH.mm_per_px**2 / TRUTH.pixels.size
     assert above == pytest.approx(ridges, rel=0.1)
-    part = prepare_contact_image(TRUTH.pixels, PPI_500, region_of_interest=(0, 0, 300, 300))
+    part = image.prepare_contact_image(TRUTH.pixels, PPI_500, region_of_interest=(0, 0, 300, 300))
     assert part.level_histogram()[0].sum() < counts.sum()
 
 
@@ -174,21 +167,22 @@ def test_histogram_counts_the_levels_that_a_threshold_parts():
         (stroke("add", (-50, 20), radius=10), "lies outside the picture"),
         (stroke("add", CENTRE, radius=1e6), "no more than the picture"),
         (stroke("add", (1e12, 0), CENTRE, radius=5), "must not reach 1e\\+12 px"),
-        (ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
-        (ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
+        (image.ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
+        (image.ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
     ],
 )
 def test_invalid_edits(edit, words):
-    drawn = {"ellipse": edit} if isinstance(edit, ImageEllipse) else {"strokes": [edit]}
+    drawn = {"ellipse": edit} if isinstance(edit, image.ImageEllipse) else {"strokes": [edit]}
     with pytest.raises(ImageError, match=words):
         PREPARED.measure(**drawn)
 
 
 def test_the_edge_and_a_manual_threshold_are_independent():
-    prepared = prepare_contact_image(TRUTH.pixels, PPI_500, threshold=90.0)
+    prepared = image.prepare_contact_image(TRUTH.pixels, PPI_500, threshold=90.0)
     edge_alone = replace(prepared, _nearby=()).measure()
     low, high = (
-        measure_contact_image(TRUTH.pixels, PPI_500, threshold=level).values for level in (0.8 * 90, 1.2 * 90)
+        image.measure_contact_image(TRUTH.pixels, PPI_500, threshold=level).values
+        for level in (0.8 * 90, 1.2 * 90)
     )
     expected = edge_alone.covariance + np.outer(low - high, low - high) / 4
     assert prepared.measure().covariance == pytest.approx(expected, rel=1e-9)

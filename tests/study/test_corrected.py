@@ -7,18 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from tests.studies import (
-    OUTLINES,
-    correct,
-    finger,
-    page_of,
-    picture,
-    rows_by,
-    rows_of,
-    run_watched,
-    sequence,
-    write_study,
-)
+from tests import studies
 from tests.study import small_study
 
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
@@ -42,8 +31,8 @@ from fingerpad.study.status import item_states, semi_axes_state, study_status, v
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 PPI, CAMERA = Scale.of_ppi(500), Scale(0.1)
-CONTACT = Observation.model_validate(picture("p", "print.png", 1, scale={"ppi": 500}).keys)
-PRESS = ContactSequence.model_validate(sequence("press", "p", force="f", scale={"ppi": 500}).keys)
+CONTACT = Observation.model_validate(studies.picture("p", "print.png", 1, scale={"ppi": 500}).keys)
+PRESS = ContactSequence.model_validate(studies.sequence("press", "p", force="f", scale={"ppi": 500}).keys)
 
 
 def seen(change=None, *, pixels=TRUTH.pixels, of=CONTACT, **settings):
@@ -92,21 +81,23 @@ def test_frames_keep_the_sequences_reading():
 def folder(tmp_path_factory):
     """A study of a finger, the photographs of which are drawn."""
     folder = tmp_path_factory.mktemp("study")
-    for number, (face, axes) in enumerate(OUTLINES.items()):
+    for number, (face, axes) in enumerate(studies.OUTLINES.items()):
         drawn = render_finger(face, semi_axes=axes, mm_per_px=CAMERA.mm_per_px, seed=number)
         cv2.imwrite(str(folder / f"{face}.png"), drawn.pixels[..., ::-1])
     shown = {"scale": "camera", "synthetic": True}
-    photographs = [{"face": face, "file": f"{face}.png", **shown} for face in OUTLINES]
-    write_study(folder, finger(photographs=photographs), scales={"camera": {"mm_per_px": 0.1}})
+    photographs = [{"face": face, "file": f"{face}.png", **shown} for face in studies.OUTLINES]
+    studies.write_study(
+        folder, studies.finger(photographs=photographs), scales={"camera": {"mm_per_px": 0.1}}
+    )
     return folder
 
 
 def test_photographs_fitted_manually_and_rejected(folder):
-    plain = run_watched(folder / "study.toml")[0].fingers["f"]
+    plain = studies.run_watched(folder / "study.toml")[0].fingers["f"]
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
-    correct(folder, "f/palmar.png", {"ellipse_px": {"centre": [200, 190], "semi_axes": [125, 145]}})
-    correct(folder, "f/radial.png", {"rejected": "nail in view"})
-    result, measured = run_watched(folder / "study.toml")
+    studies.correct(folder, "f/palmar.png", {"ellipse_px": {"centre": [200, 190], "semi_axes": [125, 145]}})
+    studies.correct(folder, "f/radial.png", {"rejected": "nail in view"})
+    result, measured = studies.run_watched(folder / "study.toml")
     found = result.fingers["f"]
     assert measured == ["f/palmar.png"]
     assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
@@ -130,23 +121,23 @@ ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientatio
 
 
 def test_a_corrected_observation_alone_is_measured_anew(finished):
-    before, _ = run_watched(finished)
-    correct(finished.parent, "o1", ELLIPSE)
+    before, _ = studies.run_watched(finished)
+    studies.correct(finished.parent, "o1", ELLIPSE)
     assert study_status(finished, finished.parent / "out").stale == 1
-    after, measured = run_watched(finished)
+    after, measured = studies.run_watched(finished)
     assert measured == ["o1"]
-    row = rows_by(after)["o1"]
+    row = studies.rows_by(after)["o1"]
     assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("manual", "corrected", "anna")
     assert row["semi_major_mm"] == pytest.approx(40 * 25.4 / 240, rel=1e-3)
     assert row["orientation_deg"] == pytest.approx(10, abs=0.1)
     assert (finished.parent / "out" / row["overlay"]).is_file()
-    own = rows_by(before)["o1"]
+    own = studies.rows_by(before)["o1"]
     for name in ("semi_major_mm", "semi_minor_mm"):
         assert row[f"automatic_{name}"] == own[name] == own[f"automatic_{name}"]
-    correct(finished.parent, "o1", {})
-    again, measured = run_watched(finished)
+    studies.correct(finished.parent, "o1", {})
+    again, measured = studies.run_watched(finished)
     assert measured == ["o1"]
-    assert rows_by(again) == rows_by(before)
+    assert studies.rows_by(again) == studies.rows_by(before)
 
 
 @pytest.mark.parametrize(
@@ -154,11 +145,11 @@ def test_a_corrected_observation_alone_is_measured_anew(finished):
     [("o2", {"accepted": True}, "measured"), ("p#12", {"rejected": "smeared"}, "rejected")],
 )
 def test_a_verdict_measures_nothing(finished, item, change, status):
-    before, _ = run_watched(finished)
-    correct(finished.parent, item, change)
-    after, measured = run_watched(finished)
+    before, _ = studies.run_watched(finished)
+    studies.correct(finished.parent, item, change)
+    after, measured = studies.run_watched(finished)
     assert measured == []
-    row = rows_by(after)[item]
+    row = studies.rows_by(after)[item]
     assert (row["status"], row["reviewed_by"]) == (status, "anna")
     assert row["reason"] == change.get("rejected")
     assert not (row["pooled"] and status == "rejected")
@@ -171,29 +162,29 @@ def test_a_verdict_measures_nothing(finished, item, change, status):
 
 
 def test_the_report_lists_manual_corrections(finished):
-    correct(finished.parent, "o1", ELLIPSE)
-    correct(finished.parent, "o2", {"rejected": "it <slipped>"})
-    result, _ = run_watched(finished)
-    page = page_of(result, finished.parent / "out")
+    studies.correct(finished.parent, "o1", ELLIPSE)
+    studies.correct(finished.parent, "o2", {"rejected": "it <slipped>"})
+    result, _ = studies.run_watched(finished)
+    page = studies.page_of(result, finished.parent / "out")
     section = page[page.index('<div id="corrections">') : page.index('<div id="methods">')]
-    own = rows_by(result)["o1"]["automatic_semi_major_mm"]
+    own = studies.rows_by(result)["o1"]["automatic_semi_major_mm"]
     assert all(words in section for words in ("corrected", "it &lt;slipped&gt;", "anna", f"{own:.3f}"))
 
 
 def test_a_corrected_frame_has_its_piece_measured_anew(finished):
-    before, _ = run_watched(finished)
-    correct(finished.parent, "p#8", ELLIPSE)
-    after, measured = run_watched(finished)
+    before, _ = studies.run_watched(finished)
+    studies.correct(finished.parent, "p#8", ELLIPSE)
+    after, measured = studies.run_watched(finished)
     assert measured == ["p", "p"]  # the piece, and the drawings
-    rows, untouched = rows_by(after), rows_by(before)
+    rows, untouched = studies.rows_by(after), studies.rows_by(before)
     row, automatic = rows.pop("p#8"), untouched.pop("p#8")
     assert (row["measured_by"], row["load_N"]) == ("manual", automatic["load_N"])
     assert row["semi_minor_mm"] == pytest.approx(30 * 25.4 / 240, rel=1e-3)
     assert rows == untouched
     # A frame without an automatic contact can be measured manually.
     empty = min(frame for frame in range(2, 24) if f"p#{frame}" not in untouched and frame != 8)
-    correct(finished.parent, f"p#{empty}", ELLIPSE)
-    frames = rows_by(run_watched(finished)[0])
+    studies.correct(finished.parent, f"p#{empty}", ELLIPSE)
+    frames = studies.rows_by(studies.run_watched(finished)[0])
     assert f"p#{empty}" not in frames or frames[f"p#{empty}"]["measured_by"] == "manual"
 
 
@@ -217,28 +208,28 @@ def semi_axes_states(finished: Path, run_of: StudyResult | None) -> dict[str, st
 
 def test_semi_axes_are_out_of_date_once_their_photographs_change(finished):
     assert semi_axes_states(finished, None) == {"f": "given", "g": "left"}
-    result, _ = run_watched(finished)
+    result, _ = studies.run_watched(finished)
     assert semi_axes_states(finished, result) == {"f": "given", "g": "done"}
     text = finished.read_text()
     finished.write_text(text.replace("mm_per_px = 0.1 }", "mm_per_px = 0.11 }", 1))
     assert semi_axes_states(finished, result)["g"] == "stale"
     finished.write_text(text)
-    correct(finished.parent, "g/distal.jpg", {"rejected": "nail in view"})
+    studies.correct(finished.parent, "g/distal.jpg", {"rejected": "nail in view"})
     assert semi_axes_states(finished, result)["g"] == "stale"
-    result, measured = run_watched(finished)
+    result, measured = studies.run_watched(finished)
     assert semi_axes_states(finished, result)["g"] == "failed"
     assert "g/distal.jpg" not in measured
     assert "palmar" in (result.fingers["g"].reason or "")
 
 
 def test_what_is_odd_about_corrections_is_told(finished):
-    correct(finished.parent, "o1", ELLIPSE)
-    correct(finished.parent, "p#900", {"rejected": "smeared"})
+    studies.correct(finished.parent, "o1", ELLIPSE)
+    studies.correct(finished.parent, "p#900", {"rejected": "smeared"})
     text = finished.read_text()
     finished.write_text(text.replace('name = "o1"', 'name = "other"'))
     with (finished.parent / "corrections.jsonl").open("a") as file:
         file.write('{"id": 3, "item": "o')
-    result, _ = run_watched(finished)
+    result, _ = studies.run_watched(finished)
     for words in ("o1 is not in the study", "p#900 is not in the study", "torn"):
         assert any(words in note for note in result.notes)
     assert "corrections.jsonl" in result.provenance["inputs_sha256"]
@@ -246,18 +237,18 @@ def test_what_is_odd_about_corrections_is_told(finished):
 
 def test_corrections_of_a_picture_that_was_replaced_are_told(finished):
     for item in ("o1", "o2", "g/distal.jpg", "p#8"):
-        correct(finished.parent, item, {"accepted": True})
-    assert not run_watched(finished)[0].notes
+        studies.correct(finished.parent, item, {"accepted": True})
+    assert not studies.run_watched(finished)[0].notes
     pictures = {one.name: finished.parent / one.file for one in read_study(finished).observations}
     pictures["o1"].write_bytes(pictures["o2"].read_bytes() + b"\0")  # of the same bytes a note says so
-    notes = run_watched(finished)[0].notes
+    notes = studies.run_watched(finished)[0].notes
     assert [note.split()[1] for note in notes] == ["o1"]
     assert "another picture or force" in notes[0]
-    correct(finished.parent, "o1", ELLIPSE)
-    assert not run_watched(finished)[0].notes
+    studies.correct(finished.parent, "o1", ELLIPSE)
+    assert not studies.run_watched(finished)[0].notes
     images = finished.parent / "frames"
     (images / "f8.png").write_bytes((images / "f9.png").read_bytes())
-    notes = run_watched(finished)[0].notes
+    notes = studies.run_watched(finished)[0].notes
     assert [note.split()[1] for note in notes] == ["p#8"]
     assert "another picture or force" in notes[0]
 
@@ -270,12 +261,12 @@ def ellipse(major: float, minor: float, centre: tuple[float, float] = (60, 60)) 
 
 
 def second(manifest: Path, item: str, change: dict, who: str = "bob") -> None:
-    correct(manifest.parent, item, change, who=who, name=SECOND_OPERATOR_NAME)
+    studies.correct(manifest.parent, item, change, who=who, name=SECOND_OPERATOR_NAME)
 
 
 def test_two_persons_outlines_are_compared(finished):
     for k in range(3):
-        correct(finished.parent, f"o{k}", ellipse(40, 30))
+        studies.correct(finished.parent, f"o{k}", ellipse(40, 30))
     second(finished, "o0", ellipse(44, 30))
     second(finished, "o1", ellipse(40, 30))
     second(finished, "o2", ellipse(40, 27, centre=(60, 62)))
@@ -294,8 +285,8 @@ def test_two_persons_outlines_are_compared(finished):
     assert ious["o1"] == 1
     assert 0.8 < ious["o2"] < 0.9
     # The first operator's outlines are the results.
-    assert rows_by(result)["o0"]["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
-    lines = rows_of(out / "second_operator.csv")
+    assert studies.rows_by(result)["o0"]["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
+    lines = studies.rows_of(out / "second_operator.csv")
     assert float(lines[0]["second_semi_major_mm"]) == pytest.approx(44 * MM, rel=1e-3)
     summary = json.loads((out / "summary.json").read_text())["second_operator"]
     assert summary[0]["gross_area_mm2"]["count"] == 3
@@ -309,12 +300,12 @@ def test_two_persons_outlines_are_compared(finished):
 
 
 def test_what_is_no_second_opinion_is_left_out(finished):
-    correct(finished.parent, "o0", ellipse(40, 30))
+    studies.correct(finished.parent, "o0", ellipse(40, 30))
     second(finished, "o0", ellipse(41, 30), "anna")  # the same person
-    correct(finished.parent, "o1", {"rejected": "smeared"})
+    studies.correct(finished.parent, "o1", {"rejected": "smeared"})
     second(finished, "o1", ellipse(41, 30))
     second(finished, "o2", ellipse(41, 30))  # the first has not looked at it
-    correct(finished.parent, "o3", {"accepted": True})
+    studies.correct(finished.parent, "o3", {"accepted": True})
     second(finished, "o3", {"rejected": "smeared"})
     result = run_study(finished, finished.parent / "out")
     assert result.operator_pairs == []

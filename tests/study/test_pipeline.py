@@ -8,21 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
-from tests.studies import (
-    PAD,
-    Table,
-    contact,
-    correct,
-    finger,
-    page_of,
-    picture,
-    rows_by,
-    rows_of,
-    sequence,
-    summary_of,
-    write_numbers,
-    write_study,
-)
+from tests import studies
 from tests.study.small_study import LOAD, PPI
 
 from fingerpad.exceptions import ManifestError
@@ -45,8 +31,8 @@ def demo(run_demo, tmp_path_factory) -> tuple[StudyResult, Path]:
 
 def test_measures_the_rendered_pad_as_it_is(demo):
     result, _ = demo
-    rows = rows_by(result)
-    truths = rows_of(EXAMPLE / "synthetic" / "truth.csv")
+    rows = studies.rows_by(result)
+    truths = studies.rows_of(EXAMPLE / "synthetic" / "truth.csv")
     assert len(truths) == 9
     for truth in truths:
         row = rows[truth["observation"]]
@@ -77,7 +63,7 @@ def test_measures_the_photographs_and_the_curve(demo):
 
 def test_the_rows_of_dzidek2017_hold_its_numbers(demo):
     result, _ = demo
-    rows = rows_by(result)
+    rows = studies.rows_by(result)
     expected = {
         "table3_30deg_ellipse": (45.243495, 13.607666, 13.625),
         "table3_45deg_ellipse": (60.210426, 9.982357, 10.175),
@@ -111,10 +97,10 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo):
 def test_tables_agree_with_each_other(demo):
     result, out = demo
     records = json.loads((out / "results.json").read_text())
-    assert len(rows_of(out / "results.csv")) == len(records) == len(result.rows) == 13 + 21
+    assert len(studies.rows_of(out / "results.csv")) == len(records) == len(result.rows) == 13 + 21
     assert all(list(record) == list(DEFAULT_COLUMNS) for record in records)
-    assert [row["column"] for row in rows_of(out / "results_columns.csv")] == list(DEFAULT_COLUMNS)
-    inputs = summary_of(out)["provenance"]["inputs_sha256"]
+    assert [row["column"] for row in studies.rows_of(out / "results_columns.csv")] == list(DEFAULT_COLUMNS)
+    inputs = studies.summary_of(out)["provenance"]["inputs_sha256"]
     assert set(inputs) >= {"study.toml", "observations.csv"}
     assert len(inputs) == 2 + 3 + 9 + 2 + 3
     for row in records:
@@ -128,20 +114,22 @@ def test_each_column_is_filled_by_some_study(demo, small_study, tmp_path):
         whole.crop((45, 0, *whole.size)).save(folder / "cut.png")
     stage = np.minimum(np.arange(LOAD.size) - 2, 0) / 10 + 1.2 * (LOAD / 2) ** (2 / 3)
     force = np.transpose([np.arange(LOAD.size) / 20, LOAD, stage])
-    write_numbers(folder / "force.csv", "time_s,force_N,displacement_mm", force)
+    studies.write_numbers(folder / "force.csv", "time_s,force_N,displacement_mm", force)
     drawn = {"scale": {"ppi": PPI}}
-    manifest = write_study(
+    manifest = studies.write_study(
         folder,
-        finger(pad_thickness_mm=8, effective_thickness_mm=1.5),
-        *(contact(f"c{k}", 1, (5 + k / 10, 4), session="monday", roll_angle_deg=5) for k in range(6)),
-        picture("cut", "cut.png", **drawn),
-        sequence("p", "frames", force="force.csv", frames_per_second=20, **drawn),
+        studies.finger(pad_thickness_mm=8, effective_thickness_mm=1.5),
+        *(studies.contact(f"c{k}", 1, (5 + k / 10, 4), session="monday", roll_angle_deg=5) for k in range(6)),
+        studies.picture("cut", "cut.png", **drawn),
+        studies.sequence("p", "frames", force="force.csv", frames_per_second=20, **drawn),
     )
-    correct(folder, "c0", {"rejected": "slipped"})
-    correct(folder, "c1", {"pooling": {"include": False, "why": "smeared"}})
-    correct(folder, "p#phases", {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "late"}})
+    studies.correct(folder, "c0", {"rejected": "slipped"})
+    studies.correct(folder, "c1", {"pooling": {"include": False, "why": "smeared"}})
+    studies.correct(
+        folder, "p#phases", {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "late"}}
+    )
     result = run_study(manifest, tmp_path / "out")
-    assert "shown, not pooled" in page_of(result, tmp_path / "out")
+    assert "shown, not pooled" in studies.page_of(result, tmp_path / "out")
     tables = demo[0].rows, result.rows
     filled = {
         name for table in tables for name in table if not {None, "", False}.issuperset(items(table[name]))
@@ -158,7 +146,7 @@ def test_a_bad_image_costs_its_row_only(run_demo, tmp_path, demo):
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
     (bad / "curve_30deg_10mm_per_s.csv").write_text("force_N\n1\n")
     result = run_study(copy / "study.toml", copy / "results")  # the others are there already
-    rows, untouched = rows_by(result), rows_by(demo[0])
+    rows, untouched = studies.rows_by(result), studies.rows_by(demo[0])
     for load in ("1N", "2N", "4N"):
         row = rows[f"synthetic_30deg_{load}"]
         assert row["status"] == "failed"
@@ -181,13 +169,13 @@ def test_a_bad_image_costs_its_row_only(run_demo, tmp_path, demo):
 STATED = {"wedge_angle_deg_std": 0.3}
 
 
-def shown(name: str, file: str) -> Table:
-    return picture(name, file, 1, scale={"ppi": 500})
+def shown(name: str, file: str) -> studies.Table:
+    return studies.picture(name, file, 1, scale={"ppi": 500})
 
 
-def write(folder: Path, *tables: Table) -> Path:
+def write(folder: Path, *tables: studies.Table) -> Path:
     """Write a study of one finger."""
-    return write_study(folder, finger(), *tables, uncertainty=STATED)
+    return studies.write_study(folder, studies.finger(), *tables, uncertainty=STATED)
 
 
 @pytest.mark.parametrize(
@@ -207,7 +195,7 @@ def test_results_are_never_written_over_inputs(tmp_path, file, out):
 
 def test_a_study_through_a_link_and_by_its_folder(tmp_path):
     (tmp_path / "mine").mkdir()
-    real = write(tmp_path / "real", contact("x", 1)).rename(tmp_path / "real" / "other.toml")
+    real = write(tmp_path / "real", studies.contact("x", 1)).rename(tmp_path / "real" / "other.toml")
     (tmp_path / "mine" / "study.toml").symlink_to(real)
     result = run_study(tmp_path / "mine", tmp_path / "out")
     assert len(result.rows) == 1
@@ -220,21 +208,23 @@ def test_a_study_through_a_link_and_by_its_folder(tmp_path):
 )
 def test_a_modulus_of_no_finger_pad_is_noted(tmp_path, factor, surface, noted):
     """As of loads in another unit; a smooth contact is of a robot's finger, of any material."""
-    study = write_study(tmp_path, finger(), contact("x", 2 * factor, (7.4, 5)), surface=surface)
+    study = studies.write_study(
+        tmp_path, studies.finger(), studies.contact("x", 2 * factor, (7.4, 5)), surface=surface
+    )
     notes = [one for one in implausible_values(run_study(study, tmp_path / "out")) if "modulus" in one]
     assert len(notes) == noted
 
 
 def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path):
-    pad = finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in PAD.items()})
-    touched = contact("x", 1, (0.074, 0.05), std=1e-4, axis="")
-    result = run_study(write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")
+    pad = studies.finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in studies.PAD.items()})
+    touched = studies.contact("x", 1, (0.074, 0.05), std=1e-4, axis="")
+    result = run_study(studies.write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")
     (only,) = records(result.rows)
     assert "deeper_than_pad" in only["range_notes"]
     assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size implausible_modulus")
     assert result.summaries[0].corrected_radius is None
     (size, *_) = implausible_values(result)
     assert size.startswith("f, wedge 30°: x: a semi-axis of the pad lies outside 2–40 mm: ")
-    page = page_of(result, tmp_path / "out")
+    page = studies.page_of(result, tmp_path / "out")
     assert page.index("f, wedge 30°: x: a semi-axis") < page.index("<details")
     assert "x is left out: a semi-axis of the pad lies outside 2–40 mm" in page

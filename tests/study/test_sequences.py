@@ -15,18 +15,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
+from tests import studies
 from tests.smooth_study import LOADS, area_at, make_smooth_study
-from tests.studies import (
-    Table,
-    contact,
-    correct,
-    finger,
-    page_of,
-    rows_by,
-    sequence,
-    write_numbers,
-    write_study,
-)
 
 from fingerpad.exceptions import LoadingError, ManifestError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
@@ -54,11 +44,11 @@ LOAD = np.interp(np.arange(28), [2, 11, 15, 25], [0, 2, 2, 0])
 UNCERTAINTY = {"wedge_angle_deg_std": 0.5}
 
 
-def of_frames(name: str = "p", *, frames_per_second: int | None = RATE, **keys: object) -> Table:
+def of_frames(name: str = "p", *, frames_per_second: int | None = RATE, **keys: object) -> studies.Table:
     """Return the press as a sequence of a study."""
     clock = {"frames_per_second": frames_per_second} if frames_per_second else {}
     scale = {"ppi": 240, "relative_std": 0.01}
-    return sequence(name, "frames", scale=scale, force="force.csv", **clock, **keys)
+    return studies.sequence(name, "frames", scale=scale, force="force.csv", **clock, **keys)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +69,7 @@ def untouched(press, tmp_path_factory) -> Path:
 def write_force(folder: Path, load: np.ndarray = LOAD, *, since: int = 0, **columns: np.ndarray) -> None:
     """Write the force table, of some frames and with other columns."""
     every = {"time_s": np.arange(load.size) / RATE, "force_N": load, **columns}
-    write_numbers(folder / "force.csv", ",".join(every), np.transpose([*every.values()])[since:])
+    studies.write_numbers(folder / "force.csv", ",".join(every), np.transpose([*every.values()])[since:])
 
 
 @pytest.fixture(scope="module")
@@ -94,15 +84,15 @@ def study_dir(untouched, plain, tmp_path) -> Path:
 
 
 def run(
-    folder: Path, *tables: Table, on_progress: Callable[[Progress], None] = lambda _: None
+    folder: Path, *tables: studies.Table, on_progress: Callable[[Progress], None] = lambda _: None
 ) -> StudyResult:
     """Run a study of tables, of the press alone where none is given."""
-    write_study(folder, finger(), *(tables or [of_frames()]), uncertainty=UNCERTAINTY)
+    studies.write_study(folder, studies.finger(), *(tables or [of_frames()]), uncertainty=UNCERTAINTY)
     return run_study(folder / "study.toml", folder / "out", on_progress=on_progress)
 
 
 def test_frames_in_contact_become_rows(plain, press):
-    rows = rows_by(plain, "frame")
+    rows = studies.rows_by(plain, "frame")
     assert set(range(4, 24)) <= set(rows) <= set(range(3, 25))
     for k, row in rows.items():
         assert (row["observation"], row["sequence"], row["status"]) == (f"p#{k}", "p", "measured")
@@ -143,7 +133,9 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
 
 def test_frames_in_contact_without_load_cost_themselves_only(study_dir):
     write_force(study_dir, LOAD - 0.3)
-    write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY | {"load_relative_std": 0.01})
+    studies.write_study(
+        study_dir, studies.finger(), of_frames(), uncertainty=UNCERTAINTY | {"load_relative_std": 0.01}
+    )
     found = list(records(run_study(study_dir / "study.toml", study_dir / "out").rows))
     failed = [row for row in found if row["load_N"] <= 0]
     assert 0 < len(failed) < len(found)
@@ -163,7 +155,7 @@ def test_frames_missing_by_their_names_keep_the_times_of_the_others(study_dir):
         assert row["load_N"] == pytest.approx(LOAD[kept[row["frame"]]])
     skipped = "file names skip 3 frames between f6.png and f10.png: times follow the numbers"
     assert result.sequences[0].summary.notes == (skipped,)
-    write_numbers(study_dir / "times.csv", "time_s", np.array(kept) / RATE)
+    studies.write_numbers(study_dir / "times.csv", "time_s", np.array(kept) / RATE)
     timed = run(study_dir, of_frames(frames_per_second=None, times="times.csv"))
     assert_allclose(timed.rows["load_N"], result.rows["load_N"])
     assert not timed.sequences[0].summary.notes
@@ -231,7 +223,7 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir, to
         ({"frames_per_second": None}, None, "frames: pictures state no rate: give frames_per_second"),
         (
             {},
-            lambda path: write_numbers(path / "force.csv", "t,F", [[1, 2]]),
+            lambda path: studies.write_numbers(path / "force.csv", "t,F", [[1, 2]]),
             "force.csv: no column time_s or force_N",
         ),
         ({}, lambda path: [*map(Path.unlink, (path / "frames").iterdir())], "frames: holds no picture"),
@@ -243,13 +235,13 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(study_dir, keys, chang
     if change:
         change(study_dir)
     reported: list[Progress] = []
-    result = run(study_dir, of_frames(**keys), contact(load=1, axis=""), on_progress=reported.append)
+    result = run(study_dir, of_frames(**keys), studies.contact(load=1, axis=""), on_progress=reported.append)
     given, lost = records(result.rows)
     assert (given["status"], lost["status"], lost["observation"]) == ("measured", "failed", "p")
     assert (reported[-1].pictures, reported[-1].failed) == (reported[-1].total, 1)
     assert reason in lost["reason"]
     if "frames_per_second" in keys:
-        assert "It could not be measured" in page_of(result, study_dir / "out")
+        assert "It could not be measured" in studies.page_of(result, study_dir / "out")
 
 
 def test_a_stored_sequence_whose_force_is_refused_now_costs_itself_only(study_dir, monkeypatch):
@@ -257,7 +249,7 @@ def test_a_stored_sequence_whose_force_is_refused_now_costs_itself_only(study_di
         raise LoadingError(f"{path}: refused")
 
     monkeypatch.setattr("fingerpad.image.read_force_signal", refuse)
-    given, lost = records(run(study_dir, of_frames(), contact(load=1, axis="")).rows)
+    given, lost = records(run(study_dir, of_frames(), studies.contact(load=1, axis="")).rows)
     assert (given["status"], lost["status"], lost["reason"]) == ("measured", "failed", "force.csv: refused")
 
 
@@ -307,25 +299,25 @@ def test_a_part_that_is_damaged_or_lost_is_measured_again_and_named(study_dir, p
     with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
         assert connection.execute(f"{change} WHERE task = ?", (task,)).rowcount == 1
     result = run(study_dir)
-    assert rows_by(result) == rows_by(plain)
+    assert studies.rows_by(result) == studies.rows_by(plain)
     assert result.notes == (f"{STORE_NAME}: the stored result of {named} was damaged and is measured again",)
 
 
 def test_corrections_reach_every_frame(study_dir, press):
     rows, columns = press.pixels(0).shape
     result = run(study_dir, of_frames(region_of_interest_px=[0, 0, rows // 2, columns]))
-    frame = rows_by(result, "frame")[12]
+    frame = studies.rows_by(result, "frame")[12]
     assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
     assert not any(row["pooled"] for row in records(result.rows))
     assert frame["gross_area_mm2"] == pytest.approx(press.gross_area[12] / 2, rel=0.05)
-    text = page_of(result, study_dir / "out")
+    text = studies.page_of(result, study_dir / "out")
     assert re.search(r"In \d\d of its frames the contact is cut by the mask", text)
 
 
 def test_the_report_shows_a_few_frames_and_lists_none(plain, study_dir, monkeypatch):
     monkeypatch.setattr(plots, "_MOST_FRAMES", 10)
-    text = page_of(plain, study_dir / "out")
+    text = studies.page_of(plain, study_dir / "out")
     assert re.search(r"10 of 2\d frames are drawn", text)
     assert "<td>p#" not in text
     assert text.count("p#") < 8  # drawn and looked at closely, not listed
@@ -351,11 +343,11 @@ def key_frame(press: SyntheticSequence, frame: int) -> dict:
 
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(study_dir, plain, press):
     run(study_dir)
-    correct(study_dir, "p#5", key_frame(press, 5))
-    correct(study_dir, "p#8", {"rejected": "slipped"})
-    correct(study_dir, "p#11", key_frame(press, 11))
-    correct(study_dir, "p#14", {**key_frame(press, 14), "key_frame": False})
-    rows, before = rows_by(run(study_dir), "frame"), rows_by(plain, "frame")
+    studies.correct(study_dir, "p#5", key_frame(press, 5))
+    studies.correct(study_dir, "p#8", {"rejected": "slipped"})
+    studies.correct(study_dir, "p#11", key_frame(press, 11))
+    studies.correct(study_dir, "p#14", {**key_frame(press, 14), "key_frame": False})
+    rows, before = studies.rows_by(run(study_dir), "frame"), studies.rows_by(plain, "frame")
     assert before[5]["measured_by"] == "automatic"
     for frame in (6, 7, 9, 10):
         row = rows[frame]
@@ -373,8 +365,8 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(study_dir, pla
     for frame in (4, 12, 13, 15):  # beyond the key frames, and up to a frame that is none
         assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
     # Without its second key frame nothing is carried.
-    correct(study_dir, "p#11", {})
-    assert rows_by(run(study_dir), "frame")[9] == before[9]
+    studies.correct(study_dir, "p#11", {})
+    assert studies.rows_by(run(study_dir), "frame")[9] == before[9]
 
 
 def active_corrections(frames: dict[int, dict]) -> dict[str, ActiveCorrection]:
@@ -414,7 +406,7 @@ def test_ellipses_between_keep_their_direction_and_turn_the_short_way():
 
 
 def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir):
-    write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY)
+    studies.write_study(study_dir, studies.finger(), of_frames(), uncertainty=UNCERTAINTY)
     study = read_study(study_dir / "study.toml")
 
     def key_of(**frames: dict) -> tuple[str, str]:
@@ -460,13 +452,13 @@ def stored_keys(out: Path) -> set[tuple[str, str]]:
 
 def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir, plain):
     run(study_dir)
-    correct(study_dir, "p#phases", phases(*PHASES))
+    studies.correct(study_dir, "p#phases", phases(*PHASES))
     assert study_status(study_dir / "study.toml", study_dir / "out").stale == 1
     stored = stored_keys(study_dir / "out")
     log, result = CorrectionLog(study_dir), run(study_dir)
     # No picture is measured again.
     assert {name for name, _ in stored - stored_keys(study_dir / "out")} == {"p"}
-    rows, before = rows_by(result, "frame"), rows_by(plain, "frame")
+    rows, before = studies.rows_by(result, "frame"), studies.rows_by(plain, "frame")
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
         assert {rows[k]["phase"] for k in frames} == {names}
@@ -480,15 +472,15 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir, plain
     assert (record["phases_corrected_by"], record["phases_reason"]) == ("anna", "slipped at first")
     assert record["phases_corrected_at"] == log.history("p#phases").records[0].when
     assert record["phases"]["hold"] == 9
-    text = page_of(result, study_dir / "out")
+    text = studies.page_of(result, study_dir / "out")
     assert "phases set manually by anna" in text
     assert "hold from 0.475 s" in text
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(study_dir)
-    assert rows_by(after, "frame") == before
+    assert studies.rows_by(after, "frame") == before
     assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
-    assert "phases set manually" not in page_of(after, study_dir / "out")
+    assert "phases set manually" not in studies.page_of(after, study_dir / "out")
 
 
 # The platen moves up to the pad, presses it by Hertz's law, and goes back.
@@ -499,13 +491,13 @@ AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 def test_a_displacement_gives_each_frame_its_indentation(study_dir, plain):
     write_force(study_dir, displacement_mm=7 + DEPTH + AWAY)
     result, out = run(study_dir), study_dir / "out"
-    for frame, row in rows_by(result, "frame").items():
+    for frame, row in studies.rows_by(result, "frame").items():
         assert row["measured_indentation_mm"] == pytest.approx(DEPTH[frame], abs=0.02)
     assert np.isnan(plain.rows["measured_indentation_mm"].to_numpy()).all()
     against = "against the platen's displacement from the place of contact"
-    assert against in html.unescape(page_of(result, out))
+    assert against in html.unescape(studies.page_of(result, out))
     assert "indentation ξ" in (out / "figures" / "sequence_p_indentation.svg").read_text()
-    assert against not in html.unescape(page_of(plain, out))
+    assert against not in html.unescape(studies.page_of(plain, out))
 
 
 def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir, plain):
@@ -527,7 +519,7 @@ def smooth(tmp_path_factory):
 
 
 def test_the_first_frame_is_the_background_of_a_sequence_of_smooth_contacts(smooth):
-    rows = rows_by(smooth[1])
+    rows = studies.rows_by(smooth[1])
     assert rows.pop("contact")["gross_area_mm2"] == pytest.approx(area_at(2.0), rel=0.015)
     assert set(rows) == {f"press#{frame}" for frame, load in enumerate(LOADS) if load}
     for name, row in rows.items():
@@ -547,7 +539,7 @@ def test_a_table_overrides_the_surface_of_the_study_and_a_threshold_is_refused_i
     study = read_study(manifest)
     assert (study.observations[0].surface, study.sequences[0].surface) == ("ridged", "smooth")
     change(manifest, 'surface = "ridged"', "threshold = 20")
-    rows = rows_by(run_study(manifest, manifest.parent / "out"))
+    rows = studies.rows_by(run_study(manifest, manifest.parent / "out"))
     assert "threshold tells ridges from valleys" in rows["contact"]["reason"]
     change(manifest, 'surface = "smooth"', 'surface = "rough"')
     with pytest.raises(ManifestError, match=r"surface.*smooth"):
