@@ -85,7 +85,7 @@ def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
 _OF = "error of the ridge area inside the outline, as a share"
 _PLACES = "reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain"
 _EFFECTS = "level_std", "level_by_grain", "least_std", "by_rim", "by_fade", "by_moisture"
-_OF_LEVEL = dict.fromkeys(("gradient", "direction", "sample"), "choice: the area hardly depends on it") | {
+_OF_LEVEL = dict.fromkeys(("direction", "sample"), "choice: the area hardly depends on it") | {
     "near_half": "choice: the width of a numerical derivative",
     "crest": "choice: what is counted as crest; usual_grain depends on it",
 }

@@ -66,8 +66,7 @@ class RidgeLevel:
     """The level above which a place is ridge, at the resolution of the picture."""
 
     # Means along the ridges.
-    gradient: float = 0.1  # periods; directions are those of gradients smoothed over this
-    direction: float = 0.6  # periods; and averaged over this
+    direction: float = 0.6  # periods; directions are averaged over this
     sample: float = 0.35  # periods; between samples of a mean
 
     # Levels of valleys and ridges.

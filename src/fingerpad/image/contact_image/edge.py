@@ -30,7 +30,7 @@ _HALF_LEVEL: Final = 127.5
 _LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
 _FIRST_RIDGE: Final = (-0.3, -0.3)  # band in ridge periods, where a ridge lies that the outline follows
 _FIRST_VALLEY: Final = (-0.8, -0.8)  # band in ridge periods, where the valley behind it lies
-_ACROSS: Final = np.linspace(0, 1, 6)[:, None]  # places of the samples across a band
+_ACROSS: Final = np.linspace(0.042, 0.958, 4)[:, None]  # of a band's width; samples, as far apart as six
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 MANUAL: Final = math.sqrt(1 / 12 / 2)

@@ -314,8 +314,7 @@ def _mean_along_ridges(box: Float32Array, few: Float32Array, period: float, ever
 
 def _steps_along_ridges(few: Float32Array, period: float, every: int) -> tuple[Float32Array, Float32Array]:
     """Return how far rightward and downward the next sample along the ridges lies from each place, px."""
-    smooth = cv2.GaussianBlur(few, (0, 0), max(0.5, RIDGE_LEVEL.gradient * period))
-    x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
+    x, y = cv2.Sobel(few, cv2.CV_32F, 1, 0, ksize=5), cv2.Sobel(few, cv2.CV_32F, 0, 1, ksize=5)
     cos2, sin2 = (_blurred(each, RIDGE_LEVEL.direction * period) for each in (y * y - x * x, -2 * x * y))
     # The direction is half that of (cos2, sin2). Of both formulas, the one without a difference is exact.
     length = np.maximum(cv2.magnitude(cos2, sin2), np.float32(1e-30))
