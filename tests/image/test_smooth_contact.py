@@ -123,6 +123,17 @@ def test_the_body_around_a_contact_is_a_doubt(with_background):
     assert "edge_unclear" in found.flags or found.gross_area == pytest.approx(true, rel=0.03)
 
 
+@pytest.mark.parametrize(("film_px", "contrast"), [(4.0, -20.0), (9.0, -30.0), (12.0, -50.0)])
+def test_a_film_round_a_contact_is_no_contact(film_px, contrast):
+    image, ground = _picture(contrast=contrast)
+    size = 1 + film_px / math.sqrt(math.prod(_AXES))
+    film, none = (picture.astype(float) for picture in _picture(contrast=-80 - contrast, size=size))
+    found = measure_contact_image(image + film - none, _SCALE, surface="smooth", background=ground)
+    assert "edge_unclear" in found.flags
+    assert abs(found.gross_area - _AREA) < 1.96 * found.gross_area_std
+    assert found.gross_area == pytest.approx(_AREA, rel=0.03)
+
+
 def test_all_that_concerns_ridges_is_empty():
     image, ground = _picture()
     found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)

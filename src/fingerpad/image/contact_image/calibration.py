@@ -142,8 +142,14 @@ class SmoothModel:
 
     # Fringes outside.
     least_overshoot: float = 0.15  # of the step's height
-    fringe: float = 0.7  # of the distance of the first; the edge lies so far inside
-    fringe_std: float = 0.35  # of that distance
+    fringe: float = 1.25  # of the distance of the first; the edge lies so far inside
+    fringe_blur: float = 0.2  # of the step's height; less by half where blur leaves so much of it
+    fringe_std: float = 0.25  # of that distance
+
+    # A film of water outside, whose step blur has joined to that of the contact.
+    least_begin: float = 0.6  # of the step's width; from there inwards the fall begins
+    film: float = 1.1  # of that distance; the edge lies so far inside
+    film_std: float = 0.4  # of that distance
 
 
 EDGE: Final = EdgeModel()

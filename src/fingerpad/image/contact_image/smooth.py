@@ -208,11 +208,16 @@ def _beyond(step: Step) -> tuple[float, float, bool]:
         shift = (-1 if step.narrow else 1) * SMOOTH.crest * step.width
         terms.append(SMOOTH.crest_std * step.width)
     elif step.overshoot > SMOOTH.least_overshoot:
-        # Fringes tell the gap: a quarter of a wavelength at the first, a twelfth at half level.
-        shift = -SMOOTH.fringe * step.fringe
-        terms.append(SMOOTH.fringe_std * step.fringe)
-    elif (second := max(step.outer_edge, step.inner_edge)) > 0:
-        terms.append(SMOOTH.second * second)
+        # Fringes tell the gap: a quarter of a wavelength at the first, a twelfth at half level. Blur takes
+        # from their height, and moves the first one outward.
+        fringe = step.fringe * step.overshoot / (step.overshoot + SMOOTH.fringe_blur)
+        shift = -SMOOTH.fringe * fringe
+        terms.append(SMOOTH.fringe_std * fringe)
     else:
-        unclear = False
+        terms.append(SMOOTH.second * step.second)
+        # Blur alone makes a symmetric step: where the fall begins farther inside, a film lies outside.
+        film = step.begin if step.begin > SMOOTH.least_begin * step.width else 0.0
+        shift = -SMOOTH.film * film
+        terms.append(SMOOTH.film_std * film)
+        unclear = max(step.second, film) > 0
     return shift, math.hypot(*terms), unclear

@@ -24,6 +24,7 @@ from fingerpad.image._masks import (
     largest_piece,
     longest_contour,
 )
+from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
@@ -61,10 +62,10 @@ class Step:
     sign: int  # +1 where the contact is brighter than the ground, -1 where darker, 0 where of another colour
     ring: bool  # whether the edge is a crest, not a step
     narrow: bool  # whether that crest is a narrow ring round a level floor
-    outer_edge: float  # how far outside a second edge lies, 0 for none
-    inner_edge: float  # how far inside, 0 for none
+    second: float  # how far outside a second edge lies, 0 for none
     overshoot: float  # how far the first fringe outside rises beyond the ground, over the height; 0 for none
     fringe: float  # how far outside the edge it lies
+    begin: float  # how far inside it the fall from the contact's level begins, on average; 0 of a crest
     noise: float = 0.0  # standard deviation of the level around the contact, grey levels
     cut: bool = False  # whether the contact leaves the picture
     overlap: float = 1.0  # intersection over union of the contact and its ellipse
@@ -294,6 +295,13 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     outer = (across > place + near) & (across < place + near + max(4.0, 0.12 * radius))
     if (inner.sum() < 3 and not ring) or outer.sum() < 3:
         return None
+    top = float(np.median(smooth[inner])) if inner.any() else math.nan  # of a ring no plateau is seen
+    ground = float(np.median(smooth[len(smooth) - int(outer.sum()) :]))
+    first, overshoot = _first_fringe(smooth[across > place], top, ground)
+    second = 0.0 if overshoot > SMOOTH.least_overshoot else min(others, default=place) - place
+    between = np.abs(across - place - second / 2) <= second / 4
+    if between.sum() > 2:  # the contact ends half-way to the level between two edges
+        outer = between
     high, low = (_running_median(_nanmedian(profiles[:, band], axis=1)) for band in (inner, outer))
     # Along each profile only.
     blur = max(0.5, 0.25 * width / spacing)
@@ -309,11 +317,9 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
         return None
     off = np.where(np.isfinite(profiles).mean(axis=1) > 0.7, off, np.nan)
     off = np.where(height > 0.35 * typical_height, off, np.nan)
-    bottom = float(np.median(smooth[outer]))
-    top = float(np.nanmedian(high)) if np.isfinite(high).any() else math.nan  # of a ring no plateau is seen
-    trough = (across > place) & (across < place + near + 2 * width + 3)
-    least = float(smooth[trough].min())
-    overshoot = max(0.0, (bottom - least) / max(top - bottom, 1e-9))
+    fall = max(top - float(np.median(smooth[outer])), 1e-9)
+    before = smooth[(across < place) & (across > place - 3 * near)]
+    begin = 0.0 if ring else 2 * spacing * float(((top - before) / fall).clip(0, 1).sum())
     return Step(
         points=points,
         off=off,
@@ -323,11 +329,20 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
         sign=sign,
         ring=ring,
         narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),
-        outer_edge=max((at - place for at in others if at > place), default=0.0),
-        inner_edge=max((place - at for at in others if at < place), default=0.0),
+        second=second,
         overshoot=overshoot,
-        fringe=float(across[trough][smooth[trough].argmin()] - place),
+        fringe=first * spacing,
+        begin=begin,
     )
+
+
+def _first_fringe(beyond: FloatArray, top: float, bottom: float) -> tuple[int, float]:
+    """Return how many samples beyond an edge a profile is first least, and how far below the ground then.
+
+    That is a share of the fall from `top` to the ground's level `bottom`.
+    """
+    first = int(np.append(np.flatnonzero(np.diff(beyond) > 0), len(beyond) - 1)[0])
+    return first + 1, max(0.0, (bottom - float(beyond[first])) / max(top - bottom, 1e-9))
 
 
 def _near(width: float, radius: float) -> float:
@@ -342,7 +357,8 @@ def _ground_spread(step: Step, signal: Float32Array, inside: BoolArray) -> float
     whole = np.s_[: rows * every, : columns * every]
     small = cv2.resize(signal[whole], (columns, rows), interpolation=cv2.INTER_AREA)
     counts = cv2.resize(inside[whole].astype(np.uint8), (columns, rows), interpolation=cv2.INTER_NEAREST)
-    centre, larger = step.points.mean(axis=0), 1 + _near(step.width, step.radius) / step.radius
+    far = step.second + _near(step.width, step.radius)
+    centre, larger = step.points.mean(axis=0), 1 + far / step.radius
     wide = (centre + (step.points - centre) * larger + 0.5) / every - 0.5
     ground = small[(filled_polygon(wide, small.shape) == 0) & (counts > 0)]
     if len(ground) < 20:
