@@ -253,6 +253,13 @@ def test_beyond_their_range_they_say_why(placement, given: dict[str, float], fla
         assert np.isnan(getattr(found, name)) == (flag != "")
 
 
+@pytest.mark.parametrize("given", [{"load": 0.01}, {"indentation": 0.1}])
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
+def test_however_thin_the_layer_is_called_too_thin(given: dict[str, float], poisson_ratio: float) -> None:
+    tissue = Tissue(0.1, poisson_ratio, thickness=np.geomspace(0.15, 1e-6, 60))
+    assert set(fast_contact(TURNED, tissue, **given).flags.tolist()) == {"layer_too_thin"}
+
+
 @pytest.mark.parametrize(
     ("layer", "flag"),
     [

@@ -199,7 +199,7 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed):
 
 @pytest.mark.parametrize(
     ("thickness", "std", "flag"),
-    [(2.2, 0.1, "layer_too_thin"), (1.0, None, "contact_too_wide"), (2.8, 0.6, "uncertainty_out_of_range")],
+    [(2.2, 0.1, "layer_too_thin"), (1.0, None, "layer_too_thin"), (2.8, 0.6, "uncertainty_out_of_range")],
 )
 def test_a_curve_out_of_range_is_named(pressed, thickness, std, flag):
     found = on_layer(pressed[0], thickness, std)

@@ -275,13 +275,13 @@ def _sizes(
         "indentation": unit_depth,
         "area": np.array(np.pi),
     }
-    a, miss = laws.mean_radius(of, value, hertz[of])
+    a, miss, hertz_a = laws.mean_radius(of, value, hertz[of])
     square = a * a
     powers = {"load": square * a, "area": square, "indentation": square}
     results = [
         value if name == of else hertz[name] * power * laws.factor(name, a) for name, power in powers.items()
     ]
-    code = laws.flag(a, k, miss, value)
+    code = laws.flag(a, k, miss, value, hertz_a)
     if laws.layer is not None:
         code[(code == 0) & laws.layer.pressed_through(results[2])] = FLAGS.index("layer_too_thin")
     if code.any():
@@ -300,8 +300,8 @@ def _form(
     """Return semi-axes, elongation along the first direction and peak over mean pressure of one block."""
     k = hertz_units(first, second)[0]
     laws = Laws.of(first, second, k, rest, whole=whole, poisson_ratio=poisson_ratio, form=True)
-    a, miss = laws.mean_radius("area", area, np.array(np.pi))
+    a, miss, hertz_a = laws.mean_radius("area", area, np.array(np.pi))
     ratio, along = laws.axis_ratio(a)
     results = a * ratio, a / ratio, along, 1.5 * laws.peak(a)
-    inside = laws.flag(a, k, miss, area) == 0
+    inside = laws.flag(a, k, miss, area, hertz_a) == 0
     return tuple(np.where(inside, each, np.nan) for each in results)

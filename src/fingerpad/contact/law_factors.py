@@ -341,8 +341,10 @@ class Laws:
             factor = self.layer.value(of, radius)
         return factor if self.pad is None else factor * np.exp(self.pad.value(of, radius, u))
 
-    def mean_radius(self, of: str, value: FloatArray, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the radius √(A/π) at a load, indentation or area, and by how much Newton's method missed."""
+    def mean_radius(
+        self, of: str, value: FloatArray, unit: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the radius √(A/π) of a value, by how much Newton's method missed, and Hertz theory's."""
         power = _POWERS[of]
         ratio = np.where(value.real > 0, value, np.nan) / unit
         if power == 2:
@@ -351,7 +353,7 @@ class Laws:
             hertz = ratio ** (1 / 3) if np.iscomplexobj(ratio) else np.cbrt(ratio)
         change = np.zeros_like(hertz)
         if of == "area" or (self.layer is None and self.pad is None):
-            return hertz, change
+            return hertz, change, hertz
         radius = hertz
         if self.layer is not None:
             radius = hertz * np.exp(self.layer.first_guess(of, hertz))
@@ -364,7 +366,7 @@ class Laws:
             square = radius * radius
             miss = np.log(ratio / (factor * (square if power == 2 else square * radius))) / (power + slope)
             radius = radius * np.exp(miss)
-        return radius, miss
+        return radius, miss, hertz
 
     def _factor_and_slope(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the factor on load or indentation, and the slope of its logarithm."""
@@ -395,22 +397,28 @@ class Laws:
             factor, u = self.layer.peak(radius), self.layer.size(radius)
         return factor if self.pad is None else factor * self.pad.peak(radius, u)
 
-    def flag(self, radius: FloatArray, k: FloatArray, miss: FloatArray, value: FloatArray) -> FloatArray:
-        """Return the indices in `FLAGS`."""
+    def flag(
+        self, radius: FloatArray, k: FloatArray, miss: FloatArray, value: FloatArray, hertz: FloatArray
+    ) -> FloatArray:
+        """Return the indices in `FLAGS`, of radii found for a value of which Hertz theory has others."""
         code = np.zeros(k.shape)
         found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
+        known, size = found, radius.real
         ranges = []
         if self.layer is not None:
             ratio = self.layer.ratio(radius).real
+            thick = found & (ratio >= 0) & (ratio <= THINNEST)
+            # Beyond, the laws may have any radius, and the layer is called too thin.
+            known, size = np.ones_like(found), np.where(thick, size, hertz.real)
             ranges += [
-                ("layer_too_thin", found & (ratio >= 0) & (ratio <= THINNEST)),
+                ("layer_too_thin", thick),
                 ("contact_too_slender", (k.real >= MOST_SLENDER_ON_LAYER) | self.layer.is_half_space),
             ]
         if self.pad is not None:
             ranges += [
                 ("contact_too_slender", (k.real >= MOST_SLENDER) | ~self.pad.whole),
-                ("contact_too_skew", self.pad.skewness(radius).real <= MOST_SKEW),
-                ("contact_too_wide", found & (self.pad.width(radius).real <= WIDEST)),
+                ("contact_too_skew", self.pad.skewness(size).real <= MOST_SKEW),
+                ("contact_too_wide", known & (self.pad.width(size).real <= WIDEST)),
             ]
         if self.layer is not None:  # the reason for what the other ranges miss
             ranges.append(("poisson_ratio_out_of_range", _has_law(self.layer.poisson_ratio)))
