@@ -36,7 +36,7 @@ _LEAST_AREA: Final = 0.003
 _MOST_AREA: Final = 0.9
 _APPENDAGE: Final = 0.4  # parts of a patch narrower than this share of its width are reflections, not contact
 _CLEAR: Final = 0.4  # beyond this score signals of another kind are not tried,
-_VERY_CLEAR: Final = 0.85  # and beyond this one no other levels
+_VERY_CLEAR: Final = 0.85  # and beyond this one neither other levels nor signals
 _LEAST_SECOND: Final = 0.25  # a second edge drops by no less than this share of the main one
 _SEEN: Final = 0.85  # a contact of which less of the outline is seen may leave the frame
 _DIRECTIONS: Final = 180
@@ -107,7 +107,7 @@ def find_steps(
         if dark is not None and sign == (1 if dark else -1):
             continue
         # Colour off the ground in any direction shows contacts of gels, and rounds all other edges.
-        if sign == 0 and max((step.score for step in steps), default=0.0) > _CLEAR:
+        if max((step.score for step in steps), default=0.0) > (_VERY_CLEAR if sign else _CLEAR):
             break
         for patch, factor in _patches(signal, inside, levels):
             contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
