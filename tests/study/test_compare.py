@@ -18,6 +18,7 @@ from tests.studies import PAD, Table, contact, write_sums
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.marks import Figure
 from fingerpad.report.compare import forest_plot, write_comparison_page
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study import compare
 from fingerpad.study.results.summary_file import (
     CheckRecord,
@@ -51,6 +52,20 @@ def test_a_finger_under_two_names_counts_once(tmp_path):
     assert {value.finger for value in found.values} == {"ellipse", "direct"}
     assert {mean.fingers for mean in found.means} == {1}
     assert all(math.isnan(mean.between_fingers_std) for mean in found.means)
+
+
+def test_a_curve_given_twice_makes_no_mean_more_certain(tmp_path):
+    made = {"points": 100, "force_std": 0.004, "cycles": 2, "unloading": True}
+    studies.write_curve(tmp_path / "a.csv", simulate_loading_curve(**made))
+    curve, second = (studies.curve(file="a.csv", thickness_mm=np.inf, cycle=cycle) for cycle in (0, 1))
+
+    def moduli(*curves: Table) -> tuple[list[compare.Value], list[compare.Mean]]:
+        studies.run(tmp_path, studies.finger(), *curves)
+        return compare.compare_studies([tmp_path / "out"]).of("initial_modulus_kpa")
+
+    once, both = moduli(curve), moduli(curve, second)
+    assert moduli(curve, curve) == once
+    assert [len(values) for values, _ in (once, both)] == [1, 2]
 
 
 def test_the_interval_of_a_positive_quantity_is_one_of_its_logarithm():

@@ -219,20 +219,26 @@ def values_of(study: FinishedStudy) -> list[Value]:
     ]
     found += _of_placements(study)
     gain = study.summary.load_gain_relative_std
-    for curve in study.summary.curves:
-        for quantity in _FROM_CURVES if curve.fit else ():
+    # A press that is given twice, as with another fit, is no second one.
+    presses: dict[object, summary_file.CurveRecord] = {}
+    for one in study.summary.curves:
+        if one.fit:
+            presses.setdefault((one.finger, one.wedge_angle_deg, one.synthetic, one.file, one.cycle), one)
+    for curve in presses.values():
+        for quantity in _FROM_CURVES:
             key = quantity.removeprefix("curve_")
             value = getattr(curve.fit, key)
-            one = Value(
-                quantity=quantity,
-                **study.owner(curve) | {"roll_angle_deg": 0.0},
-                value=value,
-                std=getattr(curve.fit, f"{key}_std"),
-                gain_std=gain * value if quantity == "initial_modulus_kpa" else 0.0,
-                source=curve.file or "",
-                velocity_mm_per_s=curve.velocity_mm_per_s,
+            found.append(
+                Value(
+                    quantity=quantity,
+                    **study.owner(curve) | {"roll_angle_deg": 0.0},
+                    value=value,
+                    std=getattr(curve.fit, f"{key}_std"),
+                    gain_std=gain * value if quantity == "initial_modulus_kpa" else 0.0,
+                    source=curve.file or "",
+                    velocity_mm_per_s=curve.velocity_mm_per_s,
+                )
             )
-            found.append(one)
     return [value for value in found if math.isfinite(value.value)]
 
 

@@ -295,6 +295,7 @@ def _curve(result: StudyResult, curve: CurveResult) -> summary_file.CurveRecord:
     return summary_file.CurveRecord.of(
         curve,
         curve.manifest,
+        **({"cycle": curve.manifest.cycle} if curve.manifest.cycle else {}),
         fit=curve.fit and curve.fit.as_record(),
         layer=curve.layer and curve.layer.as_record(),
         on_layer=on_layer,

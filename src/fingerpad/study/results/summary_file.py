@@ -613,6 +613,7 @@ class CurveRecord(Record):
     """A loading curve, or a loading radius that the manifest gives."""
 
     file: str | None = Field(description="The file; null for a radius that is given.")
+    cycle: int = Field(default=0, description="Which press of the file, from 0, where it is not the first.")
     finger: str = Field(description="The finger.")
     wedge_angle_deg: float = Field(description="Angle of the wedge, degrees.")
     synthetic: bool = Field(description="Whether it was simulated.")
