@@ -300,8 +300,8 @@ class Summary:
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    table: pd.DataFrame  # all rows of the study, of which `rows` are some
-    places: Indices  # where `rows` are in it
+    table: pd.DataFrame  # all rows of the study
+    places: Indices  # where its own rows are in it, by load: single contacts and frames of sequences
     # Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a row
     # that counts, as the other two.
     corrected_radius: PooledRadius | None
@@ -320,21 +320,16 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.synthetic
 
     @property
-    def rows(self) -> pd.DataFrame:
-        """The rows, by load: single contacts and frames of sequences."""
-        return self.table.iloc[self.places]
-
-    @property
     def first(self) -> pd.Series:
         """The row at the lowest load."""
         return self.table.iloc[self.places[0]]
 
     def column(self, name: str) -> pd.Series:
-        """Return one column of `rows`, without a copy of the others."""
+        """Return one column of its rows, without a copy of the others."""
         return self.table[name].iloc[self.places]
 
     def where(self, chosen: pd.Series) -> pd.DataFrame:
-        """Return those of `rows` for which something holds."""
+        """Return those of its rows for which something holds."""
         return self.table.iloc[self.places[chosen]]
 
     @property

@@ -1,11 +1,11 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -33,6 +33,7 @@ from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.uncertainty.repeats import ContactRepeatability
 
 _RADIUS: Final = "radius_from_indentation"
+_Value = TypeVar("_Value")
 
 
 def _corrected_radius(**inputs: FloatArray) -> dict[str, FloatArray]:
@@ -158,16 +159,15 @@ class StudyResult(Displayed):
 
     def of_finger(self, name: str) -> "StudyResult":
         """Return what was found of one finger, as a study of its own, without the scatter over fingers."""
-        listed = {key: getattr(self.study, key) for key in ("observations", "sequences", "curves")}
-        own_tables = {key: [one for one in of if one.finger == name] for key, of in listed.items()}
-        fingers = [finger for finger in self.study.fingers if finger.name == name]
-        study = self.study.model_copy(update={"fingers": fingers, **own_tables})
+        lists: dict[str, Any] = {
+            key: [one for one in getattr(self.study, key) if one.finger == name]
+            for key in ("observations", "sequences", "curves")
+        }
+        lists["fingers"] = [finger for finger in self.study.fingers if finger.name == name]
+        study = self.study.model_copy(update=lists)
         scales = set(study.named_scales())
-        study = study.model_copy(
-            update={"scales": {key: scale for key, scale in study.scales.items() if key in scales}}
-        )
-        files = {file for _, file in study.files()}
-        hashes = self.provenance["inputs_sha256"]
+        study = study.model_copy(update={"scales": _chosen(study.scales, scales)})
+        hashes = _chosen(self.provenance["inputs_sha256"], {file for _, file in study.files()})
         own = [summary.finger == name for summary in self.summaries]
         rows = self.rows[self.rows["finger"] == name]
         return replace(
@@ -176,7 +176,7 @@ class StudyResult(Displayed):
             fingers={name: self.fingers[name]},
             rows=rows,
             sequences=[sequence for sequence in self.sequences if sequence.manifest.finger == name],
-            scales={key: found for key, found in self.scales.items() if key in scales},
+            scales=_chosen(self.scales, scales),
             summaries=[
                 replace(one, table=rows, places=rows.index.get_indexer(one.places))
                 for one in compress(self.summaries, own)
@@ -186,13 +186,14 @@ class StudyResult(Displayed):
             by_load=[one for one in self.by_load if one.finger == name],
             validities=list(compress(self.validities, own)),
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
-            provenance={
-                **self.provenance,
-                "inputs_sha256": {file: digest for file, digest in hashes.items() if file in files},
-            },
+            provenance={**self.provenance, "inputs_sha256": hashes},
             notes=(),
             operator_pairs=[],
         )
+
+
+def _chosen(mapping: Mapping[str, _Value], keys: Collection[str]) -> dict[str, _Value]:
+    return {key: value for key, value in mapping.items() if key in keys}
 
 
 def _agreement(pairs: Sequence[OperatorPair]) -> summary_file.OperatorAgreementRecord:

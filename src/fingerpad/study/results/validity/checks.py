@@ -99,29 +99,16 @@ class FingerAtAngle:
         self.press_freedom = math.inf  # degrees of freedom of how presses scatter
         if repeats is not None and repeats.known:
             self.press_std, self.press_freedom = repeats.area_std, float(repeats.freedom)
-
-    @property
-    def has_modulus(self) -> bool:
-        """Whether a loading curve gives a modulus, for which it needs a radius."""
-        return any(map(_has_modulus, self.fits))
-
-    @property
-    def of_curves(self) -> tuple[str, ...]:
-        """Results that are compared with loading curves at one load; the radius where there is no R_g."""
-        return HEADLINES if self.fits and self.loading is None else (MODULUS, INDENTATION)
-
-    @property
-    def no_loading_radius(self) -> str:
-        """Why there is no R_g from loading data."""
-        return NO_AREAS if self.fits else "no loading data of this finger at this angle"
-
-    @property
-    def nothing(self) -> str:
-        """Why there is no contact with a radius."""
-        return NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
+        # Results that are compared with loading curves at one load; the radius where there is no R_g.
+        with_radius = self.fits and self.loading is None
+        self.of_curves: tuple[str, ...] = HEADLINES if with_radius else (MODULUS, INDENTATION)
+        # Why there is no R_g from loading data, and no contact with a radius, where there is none.
+        self.no_loading_radius = NO_AREAS if self.fits else "no loading data of this finger at this angle"
+        self.nothing = NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
 
 
 def _has_modulus(fit: LoadingFit) -> bool:
+    """Return whether a loading curve gives a modulus, for which it needs a radius."""
     return fit.loading_radius.known and fit.reduced_modulus.known
 
 
@@ -632,8 +619,9 @@ def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
         *size_checks(case),
     )
     # What follows from R_g or from ξ alone is one comparison.
-    alike = () if case.has_modulus else case.of_curves if case.fits else HEADLINES
-    return judge_together(found, same={ROUTES[name] for name in alike})
+    alike = case.of_curves if case.fits else HEADLINES
+    same = set() if any(map(_has_modulus, case.fits)) else {ROUTES[name] for name in alike}
+    return judge_together(found, same)
 
 
 def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
