@@ -221,6 +221,12 @@ class OpenedSequence:
         with columns_named_by(partial(columns_in_toml, "force_columns")):
             self.force = image.read_force_signal(context.folder / sequence.force, columns)
         self.clock = self._clock()
+        # Its phases where a person set them; None where they follow from the force.
+        self.phases = apply.manual_phases(context.active_corrections, sequence.name)
+        count = max(1, self.frames.count)
+        length = max(_LEAST_PIECE, -(-count // _MOST_PIECES))
+        # First frame of each piece, and the one after its last.
+        self.pieces = [(start, min(start + length, count)) for start in range(0, count, length)]
 
     def _clock(self) -> image.FrameClock:
         """Return the frames' clock on the force's time."""
@@ -233,18 +239,6 @@ class OpenedSequence:
             file = self.sequence.file
             raise LoadingError(f"{file}: pictures state no rate: give frames_per_second, or times")
         return image.frame_clock(rate, self.force, start_time=start, contact_load=load, numbers=numbers)
-
-    @property
-    def phases(self) -> apply.ManualPhases | None:
-        """Its phases where a person set them; None where they follow from the force."""
-        return apply.manual_phases(self.context.active_corrections, self.sequence.name)
-
-    @property
-    def pieces(self) -> list[tuple[int, int]]:
-        """First frame of each piece, and the one after its last."""
-        count = max(1, self.frames.count)
-        length = max(_LEAST_PIECE, -(-count // _MOST_PIECES))
-        return [(start, min(start + length, count)) for start in range(0, count, length)]
 
     def stages(self, key: str) -> Iterator[list[Task]]:
         """Yield the tasks of each stage, which needs the results of the one before in the store."""

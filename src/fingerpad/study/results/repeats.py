@@ -56,7 +56,6 @@ LEVELS: Final[Mapping[str, str]] = {
     REPEAT: "repeats",
 }
 _BETWEEN: Final = ("person", "finger")
-_PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
 # Columns from which `contact_quantity` finds `SCATTER_OF`.
 QUANTITY_COLUMNS: Final = (
     *("gross_area_mm2", "semi_major_mm", "semi_minor_mm", "aspect_ratio"),
@@ -158,7 +157,7 @@ def _no_repeats(group: Indices) -> bool:
 def study_scatter(study: Study, table: pd.DataFrame) -> list[ScatterRecord]:
     """Return the scatter of each quantity over the contacts that count; frames repeat nothing."""
     # Not all columns: a copy of them is as large as everything else that a run holds.
-    rows = table[["finger", "session", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
+    rows = table[[*PLACEMENT, "session", "load_N", *QUANTITY_COLUMNS]]
     rows = rows[table["pooled"] & table["frame"].isna()]
     persons = {finger.name: finger.person for finger in study.fingers}
     return [
@@ -185,7 +184,7 @@ def _scatter(
         "finger": numbered(fingers),
         "session": numbered(zip(fingers, sessions, strict=True)),
     }
-    placed = zip(*(items(rows[name]) for name in _PLACED), strict=True)
+    placed = zip(*(items(rows[name]) for name in PLACEMENT[1:]), strict=True)  # of any finger
     condition = conditions_of(placed, rows["load_N"].to_numpy())
     in_repeats = _no_repeats(numbered(zip(levels["session"].tolist(), condition.tolist(), strict=True)))
     if in_repeats:
@@ -238,7 +237,7 @@ def unlike_repeats(
     that is less.
     """
     rows, area = _areas(table)
-    placed = zip(items(rows["finger"]), *(items(rows[name]) for name in _PLACED), strict=True)
+    placed = zip(*(items(rows[name]) for name in PLACEMENT), strict=True)
     repeats = area.groupby(conditions_of(placed, rows["load_N"].to_numpy()))
     size, apart = repeats.transform("size"), area - repeats.transform("median")
     several = apart[(size >= _FEWEST_REPEATS) & (apart != 0)].abs()
@@ -252,7 +251,7 @@ def unlike_repeats(
 
 def _areas(table: pd.DataFrame) -> tuple[pd.DataFrame, "pd.Series[float]"]:
     """Return the contacts that count, and the logarithms of their areas."""
-    rows = table[["observation", "finger", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
+    rows = table[["observation", *PLACEMENT, "load_N", *QUANTITY_COLUMNS]]
     rows = rows[table["pooled"] & table["frame"].isna() & (table["load_N"] > 0)]
     return rows, pd.Series(np.log(contact_quantity(rows, "contact_area")))
 
@@ -266,7 +265,7 @@ def unlike_growth(table: pd.DataFrame, usual: float) -> dict[str, float]:
     rows, area = _areas(table)
     names = items(rows["observation"])
     found: dict[str, float] = {}
-    for places in groups(rows, "finger", *_PLACED).values():
+    for places in groups(rows, *PLACEMENT).values():
         load = rows["load_N"].to_numpy()[places]
         one = pd.DataFrame({"load": np.log(load), "area": area[places].to_numpy()})
         nominal = nominal_loads(load)
