@@ -115,6 +115,17 @@ def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir, plain):
     assert 0 < len(chosen) < len(pooled)
 
 
+def test_a_sequence_given_twice_counts_once_or_not_at_all(study_dir, plain):
+    result = run(study_dir, of_frames(), of_frames("q"))
+    (once,), (twice,) = plain.summaries, result.summaries
+    assert twice.corrected_radius.count == once.corrected_radius.count == 1
+    assert twice.corrected_radius.std == once.corrected_radius.std
+    assert result.notes[0].startswith("p and q are one sequence, which counts once: keep one")
+    other = run(study_dir, of_frames(), of_frames("q", wedge=45))
+    assert not other.rows["pooled"].any()
+    assert other.notes[0].startswith("p and q are one sequence, of different presses, none of which counts")
+
+
 def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
     few, many = (run(study_dir, of_frames(pool_min_load_N=least)) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries

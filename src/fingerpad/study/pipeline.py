@@ -32,7 +32,7 @@ from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store, 
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import LocalExecutor
 from fingerpad.study.manifest.load import load_study, manifest_in
-from fingerpad.study.manifest.models import PitchScale, ResolutionScale, Study
+from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionScale, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, item_of, measure_study
@@ -279,7 +279,8 @@ def _repeated_files(measured: Measured) -> Iterator[str]:
         (False, "of different presses, none of which counts: does it show another contact?"),
     ):
         pictures = [
-            f"{joined(one.name for one in same)} are one picture"
+            f"{joined(one.name for one in same)} are one "
+            + ("picture" if isinstance(same[0], Observation) else "sequence")
             for same, of_one_press in measured.repeated
             if of_one_press == one_press
         ]

@@ -93,20 +93,29 @@ class ObservationItem(OneTaskItem[Observation]):
         return reviewed(from_record(Measurement, record), self.correction)
 
 
-def repeated_pictures(context: RunContext) -> Iterator[tuple[list[Observation], bool]]:
-    """Yield observations that show one part of one picture, and whether they state one press.
+def repeated_pictures(context: RunContext) -> Iterator[tuple[list[Contact], bool]]:
+    """Yield contacts that show one part of one picture or sequence, and whether they state one press.
 
     One that a person rejected says nothing of the others.
     """
-    pictures: dict[tuple[str, str], list[Observation]] = {}
-    for one in context.study.observations:
+    pictures: dict[tuple[str, str], list[Contact]] = {}
+    given: list[Contact] = [*context.study.observations, *context.study.sequences]
+    for one in given:
         if one.file is not None and not context.is_rejected(one.name):
             part = str((one.seed_px, one.region_of_interest_px, one.mask_px))
             pictures.setdefault((context.digest(context.folder / one.file), part), []).append(one)
     for same in pictures.values():
         if len(same) > 1:
-            presses = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg, one.load_N) for one in same}
-            yield same, len(presses) == 1
+            yield same, len({_press_of(one, context) for one in same}) == 1
+
+
+def _press_of(one: Contact, context: RunContext) -> tuple[object, ...]:
+    """Return what the manifest says of a press."""
+    if isinstance(one, Observation):
+        under: tuple[object, ...] = (one.load_N,)
+    else:
+        under = context.digest(context.folder / one.force), one.start_s, one.contact_load_N
+    return one.finger, one.wedge_angle_deg, one.roll_angle_deg, *under
 
 
 def measure_observation(

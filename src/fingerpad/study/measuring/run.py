@@ -8,7 +8,7 @@ from typing import Any, Literal
 from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
-from fingerpad.study.manifest.models import Contact, Observation
+from fingerpad.study.manifest.models import Contact
 from fingerpad.study.measuring.contacts import (
     REPEATED_PICTURE,
     Measurement,
@@ -91,8 +91,8 @@ class Measured:
     fingers: dict[str, FingerResult]
     sequences: list[SequenceResult]
     curves: list[CurveResult]
-    # Observations that show one part of one picture, and whether they state one press.
-    repeated: list[tuple[list[Observation], bool]]
+    # Contacts that show one part of one picture or sequence, and whether they state one press.
+    repeated: list[tuple[list[Contact], bool]]
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
     def __length_hint__(self) -> int:
@@ -104,11 +104,13 @@ class Measured:
         repeated = {
             one.name for same, one_press in self.repeated for one in (same[1:] if one_press else same)
         }
+        for contact, seen in self._seen():
+            flags = (*seen.flags, REPEATED_PICTURE)
+            yield contact, replace(seen, flags=flags) if contact.name in repeated else seen
+
+    def _seen(self) -> Iterator[tuple[Contact, Measurement]]:
         for item in self.items.observations:
-            measured = item.result()
-            if item.name in repeated:
-                measured = replace(measured, flags=(*measured.flags, REPEATED_PICTURE))
-            yield item.table, measured
+            yield item.table, item.result()
         for sequence in self.sequences:
             for measured in sequence_measurements(sequence, self.items.context):
                 yield sequence.manifest, measured
