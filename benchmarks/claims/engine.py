@@ -46,7 +46,8 @@ def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: f
         files = {"name": name, "file": f"{name}.tif", "force": f"force_{number}.csv"}
         with tifffile.TiffWriter(folder / files["file"]) as writer:
             for page in stretched:
-                writer.write(pages[page], contiguous=False)
+                # Files that are the same would count as one press.
+                writer.write(pages[page], contiguous=False, description=f"press {number}")
         rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
         (folder / files["force"]).write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
         of = {"finger": f"finger_{number % 5}", "wedge_angle_deg": (15, 45)[number // 5 % 2]}
