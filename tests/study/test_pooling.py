@@ -255,7 +255,7 @@ def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts):
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
     (summary,) = pool_contacts(rows)
     assert summary.pooled_from == ("2 observations" if counts else "1 of 2 observations")
-    assert len(summary.rows) == 2
+    assert summary.places.size == 2
 
 
 @pytest.mark.parametrize(
@@ -326,6 +326,6 @@ def test_the_interval_of_an_exponent_has_students_t_for_few_contacts():
 def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(tmp_path, loads, is_known):
     majors = 6.5 * np.array(loads) ** 0.4
     (summary,) = study(tmp_path, majors=majors + [0, 0, 0.1][: len(loads)], loads=loads).summaries
-    exponent = area_exponent(summary.rows)
+    exponent = area_exponent(summary.areas)
     assert 0.3 < exponent.value < 0.5
     assert np.isfinite(exponent.std) == is_known

@@ -135,7 +135,13 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
     ]
     assert all_.corrected_radius.fixed.std >= min(own)
     assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
-    (two,) = run(study_dir, of_frames(), of_frames("q")).summaries
+    again = shutil.copytree(study_dir / "frames", study_dir / "again")
+    shutil.copy(
+        again / "f0.png", again / "f27.png"
+    )  # another press, whose frames are the same where it counts
+    pressed = of_frames("q")
+    pressed = pressed._replace(keys={**pressed.keys, "file": "again"})
+    (two,) = run(study_dir, of_frames(), pressed).summaries
     assert two.corrected_radius.count == 2
     assert two.pooled_from.endswith("frames of 2 sequences")
     # Pad and wedge are the same for both sequences: most of the uncertainty does not average away.
