@@ -18,8 +18,11 @@ def area_at(load: float) -> float:
     return math.pi * math.prod(SEMI_AXES_PX) * MM_PER_PX**2 * (load / 2) ** (2 / 3)
 
 
-def frame(load: float, seed: int) -> np.ndarray:
-    """Return a frame: a bright ellipse under uneven light with a streak of reflection over its edge."""
+def frame(load: float, seed: int, colour: bool = False) -> np.ndarray:
+    """Return a frame: a bright ellipse under uneven light with a streak of reflection over its edge.
+
+    One of another colour is as bright as what lies around it.
+    """
     rows, columns = np.mgrid[:200, :220].astype(float)
     fine = np.zeros((1600, 1760), np.uint8)
     axes = [round(axis * (load / 2) ** (1 / 3) * 8 * 16) for axis in SEMI_AXES_PX]
@@ -29,14 +32,17 @@ def frame(load: float, seed: int) -> np.ndarray:
     light = 1 - 0.4 * ((rows - 70) ** 2 + (columns - 140) ** 2) / 200**2
     shine = cv2.GaussianBlur(cv2.line(np.zeros_like(light), (140, 40), (175, 95), 110, 6), (0, 0), 1.5)
     noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
-    return (light * (60 + 90 * inside) + shine + noise).round().clip(0, 255).astype(np.uint8)
+    level = light * (60 + 90 * inside * (not colour)) + shine + noise
+    if colour:  # red in place of green, as much as leaves the luma
+        level = level[..., None] + 120 * (light * inside)[..., None] * [0.587, -0.299, 0.0]
+    return level.round().clip(0, 255).astype(np.uint8)
 
 
-def make_smooth_study(folder: Path, surface: str | None = "smooth") -> Path:
+def make_smooth_study(folder: Path, surface: str | None = "smooth", *, colour: bool = False) -> Path:
     """Write the study, and return its manifest."""
     (folder / "frames").mkdir(parents=True)
     for number, load in enumerate(LOADS):
-        Image.fromarray(frame(load, number)).save(folder / "frames" / f"{number:03d}.png")
+        Image.fromarray(frame(load, number, colour)).save(folder / "frames" / f"{number:03d}.png")
     for name, load in (("contact", 2.0), ("empty", 0.0)):
         Image.fromarray(frame(load, 100)).save(folder / f"{name}.png")
     rows = [f"{number / 20},{load}" for number, load in enumerate(LOADS)]

@@ -16,7 +16,6 @@ from benchmarks.tables import off, or_none, stated, table
 from benchmarks.truth.smooth_contacts import DEVICES, KINDS, loading, pictures
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Frame, measure_contact_image, measure_sequence
-from fingerpad.image.levels import luma
 
 # True area, area found and its uncertainty, mm², and flags; of a picture that is refused none.
 COLUMNS: Final = "area", "found", "std", "flags"
@@ -39,7 +38,7 @@ def sequence_accuracy(kind: str, seeds: range, count: int) -> pd.DataFrame:
     rows: list[tuple[object, ...]] = []
     for seed in seeds:
         press = list(loading(seed, count, kind))
-        frames = [Frame(index=k, pixels=luma(one.image)) for k, one in enumerate(press)]
+        frames = [Frame(index=k, pixels=one.image) for k, one in enumerate(press)]
         try:
             results = list(measure_sequence(frames, press[0].mm_per_px, surface="smooth"))
         except ImageError:

@@ -42,6 +42,27 @@ def write_video(path, codec, count=12):
     return path
 
 
+@pytest.mark.parametrize("name", ["frames", "stack.tif", "video.avi"])
+def test_colours_are_kept_where_they_are_wanted_and_there(tmp_path, name):
+    orange, grey = (np.full((48, 64, 3), level, np.uint8) for level in ([200, 120, 40], 90))
+    path = tmp_path / name
+    if name == "frames":
+        path.mkdir()
+        for index, picture in enumerate((orange, grey)):
+            Image.fromarray(picture).save(path / f"{index}.png")
+    elif name == "stack.tif":
+        tifffile.imwrite(path, np.stack([orange, grey]), photometric="rgb")
+    else:
+        writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 100.0, (64, 48))
+        for picture in (orange, grey):
+            writer.write(picture[..., ::-1])
+        writer.release()
+    coloured, plain = open_frames(path, colour=True)
+    assert coloured.pixels.mean(axis=(0, 1)) == pytest.approx([200, 120, 40], abs=3)
+    assert plain.pixels.shape == (48, 64)  # as of a camera that sees no colours
+    assert {frame.pixels.ndim for frame in open_frames(path)} == {2}
+
+
 def levels(frames):
     return [None if frame.pixels is None else round(float(frame.pixels.mean())) for frame in frames]
 

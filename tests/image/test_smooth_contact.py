@@ -156,6 +156,8 @@ def test_colours_show_a_contact_that_grey_levels_do_not():
     plain = np.stack([ground] * 3, axis=-1)
     found = measure_contact_image(colours, _SCALE, surface="smooth", background=plain)
     assert abs(found.gross_area / _AREA - 1) < 0.02
+    drawn = draw_overlay(colours.astype(np.uint8), found)
+    assert drawn[0, 0] == pytest.approx(colours[0, 0], abs=3)
 
 
 def test_a_picture_without_a_contact_is_refused_and_can_be_drawn():

@@ -529,6 +529,15 @@ def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir, plain
 # Smooth contacts in a study: said once for all, or for one observation or sequence
 
 
+def test_frames_of_smooth_contacts_keep_their_colours(tmp_path):
+    result = run_study(make_smooth_study(tmp_path, colour=True), tmp_path / "out")
+    for name, row in studies.rows_by(result).items():
+        if "#" in name:
+            truth = area_at(LOADS[int(name.removeprefix("press#"))])
+            assert abs(row["gross_area_mm2"] - truth) < 2.5 * row["gross_area_mm2_std"] < 0.3 * truth
+    assert result.sequences[0].summary.measured == sum(load > 0 for load in LOADS)
+
+
 @pytest.fixture(scope="module")
 def smooth(tmp_path_factory):
     manifest = make_smooth_study(tmp_path_factory.mktemp("smooth"))

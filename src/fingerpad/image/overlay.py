@@ -63,7 +63,7 @@ def draw_overlay(
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns) or, of a photograph, (rows, columns, 3)
+    pixels : array_like, (rows, columns) or (rows, columns, 3)
         The picture that was measured.
     found : ContactImageResult or PhotographFit
         Its measurement.
@@ -146,12 +146,18 @@ def write_overlay(
 
 
 def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label: str | None) -> Canvas:
-    grey = stretched(picture_levels(pixels, "pixels"))
-    if grey.shape != found.shape:
-        raise ImageError(f"pixels must have the measured picture's shape {found.shape}, found {grey.shape}")
-    longest = max(grey.shape)
-    zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
-    canvas = _tint_ridges(grey, found, zoom)
+    levels = stretched(picture_levels(pixels, "pixels", colour=True))
+    shape = levels.shape[:2]
+    if shape != found.shape:
+        raise ImageError(f"pixels must have the measured picture's shape {found.shape}, found {shape}")
+    zoom = min(max(1, math.ceil(_MIN_SIDE_PX / max(shape))), _MAX_SIDE_PX / max(shape))
+    size = (max(1, round(shape[1] * zoom)), max(1, round(shape[0] * zoom)))
+    way = cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA
+    large = np.asarray(cv2.resize(levels, size, interpolation=way), dtype=np.uint8)
+    if large.ndim == 3:
+        canvas: Canvas = np.ascontiguousarray(large[..., :3])
+    else:
+        canvas = _tint_ridges(large, found, enlarged=zoom >= 1)
     width = max(2, round(max(canvas.shape) / 600))
     outline = canvas_points(found.outline, zoom)
     ellipse = canvas_points(found.ellipse_px.points(360), zoom)
@@ -168,12 +174,10 @@ def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label:
     return canvas
 
 
-def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -> Canvas:
-    size = (max(1, round(grey.shape[1] * zoom)), max(1, round(grey.shape[0] * zoom)))
-    large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA)
+def _tint_ridges(large: Canvas, contact_image: ContactImageResult, *, enlarged: bool) -> Canvas:
     ridges = contact_image.ridges.view(np.uint8) * np.uint8(255)
-    way = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
-    share = np.asarray(cv2.resize(ridges, size, interpolation=way), dtype=np.uint16)
+    way = cv2.INTER_LINEAR if enlarged else cv2.INTER_AREA
+    share = np.asarray(cv2.resize(ridges, large.shape[::-1], interpolation=way), dtype=np.uint16)
     # Each pair of a share of ridge and a grey level has one colour, four bytes that are looked up at once.
     shares, levels = np.meshgrid(*[np.arange(256, dtype=np.float32)] * 2, indexing="ij")
     colours = np.zeros((256, 256, 4), dtype=np.uint8)

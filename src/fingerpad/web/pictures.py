@@ -53,7 +53,8 @@ class ImageLocation:
     @property
     def shown(self) -> "ImageLocation":
         """What is shown of it: of a file that may be a sequence the first frame."""
-        return ImageLocation(self.path, frame=0) if self.colour and is_sequence(self.path) else self
+        of_sequence = self.frame is None and self.colour and is_sequence(self.path)
+        return ImageLocation(self.path, frame=0) if of_sequence else self
 
 
 @lru_cache(maxsize=8)
@@ -120,11 +121,12 @@ class Pictures:
         return self.pixels(replace(place, colour=False))
 
     def _read(self, place: ImageLocation) -> npt.NDArray[Any]:
-        if place.colour:
+        if place.frame is None and place.colour:
             return read_colour_image(place.path, memory_limit=self.memory_limit)
         if place.frame is None:
             return read_image(place.path, memory_limit=self.memory_limit).pixels
-        frame = open_frames(place.path, memory_limit=self.memory_limit).at(place.frame)
+        frames = open_frames(place.path, colour=place.colour, memory_limit=self.memory_limit)
+        frame = frames.at(place.frame)
         if frame.pixels is None:
             raise ImageError(frame.reason or f"frame {place.frame} cannot be read")
         return frame.pixels

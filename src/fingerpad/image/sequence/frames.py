@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
@@ -21,12 +21,12 @@ import tifffile
 from fingerpad._display import Displayed
 from fingerpad._words import counted, joined
 from fingerpad.exceptions import ImageError
-from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_memory, luma
+from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_memory, luma, top_level
 from fingerpad.image.read import (
     SQUARE,
     check_regular,
     decoding,
-    read_image,
+    read_levels,
     read_start,
     resolution_of_page,
 )
@@ -40,6 +40,7 @@ VIDEO_SUFFIXES: Final = frozenset({".avi", ".mp4", ".mov", ".mkv"})
 TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
 _ENDS_IN_NUMBER: Final = re.compile(r"(.*?)([0-9]{1,15})")
 _MOST_ALIKE: Final = 0.9  # of a folder's names or more; the others are odd
+_NEUTRAL: Final = 0.015  # of white; compression makes grey pixels coloured by as much
 _LEAST_NUMBERED: Final = 6  # fewer names do not tell the usual step of their numbers
 
 
@@ -51,8 +52,8 @@ class Frame(Displayed):
     ----------
     index : int
         Its number, from zero.
-    pixels : ndarray or None, shape (rows, columns)
-        Grey levels; None where it could not be read.
+    pixels : ndarray or None, shape (rows, columns) or (rows, columns, 3)
+        Grey levels, or red, green and blue; None where it could not be read.
     reason : str or None
         Why it could not be read.
 
@@ -92,6 +93,8 @@ class Frames(Displayed):
         Rate at which a video plays, None for pictures. A high-speed recording plays slower than it was taken.
     memory_limit : int
         The most bytes that one frame may take, as for `read_image`.
+    colour : bool
+        Whether frames keep the colours that they have, which show the contacts of gels; else they are grey.
     """
 
     path: Path
@@ -99,6 +102,7 @@ class Frames(Displayed):
     count: int
     frames_per_second: float | None
     memory_limit: int
+    colour: bool = False
 
     def __len__(self) -> int:
         return self.count
@@ -126,12 +130,12 @@ class Frames(Displayed):
         if start:
             with closing(self._decode(0, self.count)) as frames:
                 readable = (frame.pixels for frame in frames if frame.pixels is not None)
-                shape = next((pixels.shape for pixels in readable), None)
+                shape = next((pixels.shape[:2] for pixels in readable), None)
         for frame in _decoded_ahead(self._decode(start, min(stop, self.count))):
             if frame.pixels is not None and shape is None:
-                shape = frame.pixels.shape
-            if frame.pixels is not None and frame.pixels.shape != shape:
-                reason = f"has {_size(frame.pixels.shape)} pixels, the first frame {_size(shape)}"
+                shape = frame.pixels.shape[:2]
+            if frame.pixels is not None and frame.pixels.shape[:2] != shape:
+                reason = f"has {_size(frame.pixels.shape[:2])} pixels, the first frame {_size(shape)}"
                 yield Frame(index=frame.index, pixels=None, reason=reason)
             else:
                 yield frame
@@ -211,10 +215,10 @@ class Frames(Displayed):
 
     def _decode(self, start: int, stop: int) -> Generator[Frame, None, None]:
         if self.kind == "folder":
-            return _folder_frames(self._files, start, stop, self.memory_limit)
+            return _folder_frames(self, start, stop)
         if self.kind == "tiff":
-            return _tiff_frames(self.path, start, stop, self.memory_limit)
-        return _video_frames(self.path, start, stop, self.count, self.memory_limit)
+            return _tiff_frames(self, start, stop)
+        return _video_frames(self, start, stop)
 
 
 def _decoded_ahead(frames: Generator[Frame, None, None]) -> Iterator[Frame]:
@@ -235,7 +239,9 @@ def played_rate(frames: Frames) -> str:
     )
 
 
-def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Frames:
+def open_frames(
+    path: str | PathLike[str], *, colour: bool = False, memory_limit: int = MEMORY_LIMIT
+) -> Frames:
     """Open a folder of pictures, a TIFF file of many pages, or a video.
 
     The pictures of a folder come in natural order: ``frame2.png`` before ``frame10.png``.
@@ -244,6 +250,8 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
     ----------
     path : path-like
         The folder or file.
+    colour : bool
+        Keep the colours of frames that have any.
     memory_limit : int
         The most bytes that one frame may take, checked before it is decoded, as for `read_image`.
 
@@ -289,13 +297,17 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
         # A damaged header may give any number; no format stores a frame in fewer than 8 bytes.
         count = int(min(stated, path.stat().st_size / 8)) if stated > 0 else 0
         rate = plays if plays > 0 and np.isfinite(plays) else None
-    return Frames(path=path, kind=kind, count=count, frames_per_second=rate, memory_limit=memory_limit)
+    return Frames(
+        path=path, kind=kind, count=count, frames_per_second=rate, memory_limit=memory_limit, colour=colour
+    )
 
 
-def as_frames(frames: FramesLike) -> Iterable[Frame]:
-    """Return frames, opened if they are a path."""
+def as_frames(frames: FramesLike, *, colour: bool = False) -> Iterable[Frame]:
+    """Return frames, opened if they are a path; files' own colours are kept if they are wanted."""
     if isinstance(frames, str | PathLike):
-        return open_frames(frames)
+        return open_frames(frames, colour=colour)
+    if isinstance(frames, Frames):
+        return replace(frames, colour=colour)
     kept = frames if isinstance(frames, list | tuple | np.ndarray) else ()  # what can be looked at at no cost
     if not hasattr(frames, "__iter__") or not all(isinstance(one, Frame) for one in kept):
         raise ImageError(
@@ -326,15 +338,21 @@ def frame_files(folder: Path) -> list[Path]:
     return sorted(pictures, key=natural)
 
 
-def _folder_frames(
-    pictures: list[Path], start: int, stop: int, memory_limit: int
-) -> Generator[Frame, None, None]:
-    for index, picture in enumerate(pictures[start:stop], start):
+def _folder_frames(frames: Frames, start: int, stop: int) -> Generator[Frame, None, None]:
+    for index, picture in enumerate(frames._files[start:stop], start):
         try:
-            frame = Frame(index=index, pixels=read_image(picture, memory_limit=memory_limit).pixels)
+            frame = Frame(index=index, pixels=_seen(read_levels(picture, frames.memory_limit)[0], frames))
         except ImageError as error:
             frame = Frame(index=index, pixels=None, reason=str(error))
         yield frame
+
+
+def _seen(levels: Pixels, frames: Frames) -> Pixels:
+    """Return levels with the colours that they have if these are wanted, else grey."""
+    if not frames.colour or levels.ndim == 2:
+        return luma(levels)
+    apart = (levels.max(axis=2) - levels.min(axis=2)).max()
+    return levels if apart > _NEUTRAL * (top_level(levels) or levels.max()) else luma(levels)
 
 
 def _open_tiff(path: Path) -> tuple[tifffile.TiffFile, int, str | None]:
@@ -346,8 +364,9 @@ def _open_tiff(path: Path) -> tuple[tifffile.TiffFile, int, str | None]:
     return tiff, count, heard[0].getMessage() if heard else None
 
 
-def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Generator[Frame, None, None]:
+def _tiff_frames(frames: Frames, start: int, stop: int) -> Generator[Frame, None, None]:
     # Reading one IFD at a time: a list of all pages would grow with the sequence.
+    path = frames.path
     tiff, count, broken = _open_tiff(path)
     with tiff:
         for index in range(start, min(stop, count)):
@@ -355,7 +374,7 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Genera
                 with decoding(path, f": page {index}"):
                     page = tiff.pages[index]
                     resolution_of_page(page)  # which refuses pixels that are not square
-                    pixels = luma(levels_of_page(path, index, page, memory_limit))
+                    pixels = _seen(levels_of_page(path, index, page, frames.memory_limit), frames)
                     check_finite(pixels, f"{path}: page {index}")
                 frame = Frame(index=index, pixels=pixels)
             except ImageError as error:
@@ -388,19 +407,22 @@ def _video(path: Path, memory_limit: int) -> Iterator[Any]:
         capture.release()
 
 
-def _video_frames(
-    path: Path, start: int, stop: int, count: int, memory_limit: int
-) -> Generator[Frame, None, None]:
-    index = 0
-    with _video(path, memory_limit) as video:
+def _video_frames(frames: Frames, start: int, stop: int) -> Generator[Frame, None, None]:
+    index, path, count = 0, frames.path, frames.count
+    with _video(path, frames.memory_limit) as video:
         # Seeking lands on the wrong frame in some codecs; going through all of them never does.
         while index < start and video.grab():
             index += 1
         while index < stop or stop == count:  # headers may count too few
-            good, colour = video.read()
+            good, levels = video.read()
             if not good:
                 break
-            yield Frame(index=index, pixels=np.asarray(cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY), np.uint8))
+            pixels = (
+                _seen(levels[..., ::-1], frames)
+                if frames.colour
+                else cv2.cvtColor(levels, cv2.COLOR_BGR2GRAY)
+            )
+            yield Frame(index=index, pixels=np.ascontiguousarray(pixels, np.uint8))
             index += 1
     reason = f"{path}: the video ends after {index} of {count} frames"
     for missing in range(max(index, start), stop):

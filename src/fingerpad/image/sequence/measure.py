@@ -22,7 +22,7 @@ from fingerpad.exceptions import ImageError, LoadingError, reason_of
 from fingerpad.image.contact_image.measure import measure_contact_image, prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions, crop
-from fingerpad.image.levels import Pixels
+from fingerpad.image.levels import Pixels, luma
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 from fingerpad.image.sequence.force import (
     FORCE_KIND,
@@ -81,9 +81,13 @@ class SequenceSettings(Displayed):
         return _MIN_TEXTURE * float(np.nanmax(self.texture))
 
 
+def _is_smooth(options: ContactImageOptions) -> bool:
+    return options.get("surface") == "smooth"
+
+
 def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> ContactImageOptions:
     """Return a sequence's options: the first frame, before touch, is the background of smooth contacts."""
-    if options.get("surface") != "smooth" or options.get("background") is not None:
+    if not _is_smooth(options) or options.get("background") is not None:
         return options
     alone: ContactImageOptions = {**options, "background": None}
     first = next((frame for frame in frames if frame.pixels is not None), None)
@@ -138,6 +142,8 @@ def estimate_settings(
     scan = scan_texture(frames, scale, **options) if scan is None else scan
     if not scan.busiest:
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
+    # That of a smooth contact may have colours, and takes no part in this.
+    limits: ContactImageOptions = {**options, "background": None} if _is_smooth(options) else options
     seen: list[tuple[int, ContactImageResult]] = []
     reason: str | None = None
     bordered = False
@@ -149,7 +155,8 @@ def estimate_settings(
             continue  # it could be read when it was surveyed
         try:
             seen.append((frame.index, measure_contact_image(frame.pixels, scale, **options)))
-            bordered = bordered or not crop(frame.pixels, **options).shown(frame.pixels.shape).all()
+            grey = luma(frame.pixels)
+            bordered = bordered or not crop(grey, **limits).shown(grey.shape).all()
         except ImageError as error:
             reason = str(error)
     if not seen:
@@ -174,7 +181,7 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     A smooth contact has nothing so fine: what differs from its background counts, whatever the light.
     """
     ground = options.get("background")
-    if options.get("surface") == "smooth" and ground is not None:
+    if _is_smooth(options) and ground is not None:
         return _power_off_ground(pixels, np.asarray(ground), {**options, "background": None})
     part = crop(pixels, **options)
     values = part.pixels
@@ -195,10 +202,11 @@ def _power_off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptio
         raise ImageError(
             f"background must have the picture's shape {pixels.shape[:2]}, found {ground.shape[:2]}"
         )
-    grey = ground.mean(axis=2) if ground.ndim == 3 else ground
-    part, light = (crop(each, **options) for each in (pixels, grey))
+    part, light = (crop(each, may_have_colours=True, **options) for each in (pixels, ground))
     inside = np.s_[:] if part.inside is None else part.inside
-    values, level = (each.pixels[inside].astype(np.float64) for each in (part, light))
+    values, level = (np.atleast_3d(each.pixels)[inside].astype(np.float64) for each in (part, light))
+    if values.shape != level.shape:
+        values, level = (each.mean(axis=-1, keepdims=True) for each in (values, level))
     off = values - np.median((values + 1) / (level + 1)) * level
     return float(np.mean(off * off))
 
@@ -230,7 +238,7 @@ def measure_sequence(
     counts as loading where phases were found, not where they are given.
 
     Of smooth contacts the first frame that can be read, which must be before touch, is the `background` where
-    none is given; what differs from it stands for the texture.
+    none is given; what differs from it stands for the texture. Colours count, as of a single picture.
 
     Parameters
     ----------
@@ -286,7 +294,7 @@ def measure_sequence(
     check_kind("clock", clock, FrameClock, "a FrameRate, as frame_clock makes it, or FrameStamps")
     check_kind("force", force, ForceSignal, FORCE_KIND)
     check_kind("phases", phases, PhaseIntervals, "PhaseIntervals, as phase_intervals finds them")
-    sequence, scale = as_frames(frames), as_scale(scale)
+    sequence, scale = as_frames(frames, colour=_is_smooth(options)), as_scale(scale)
     if settings is None and iter(sequence) is sequence:
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")
 
@@ -315,7 +323,7 @@ def measure_frames(
     scale = as_scale(scale)
     # Frames share a relative level: a threshold has gone into learning the contrast.
     read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
-    empty = "hardly differs from the background" if options.get("surface") == "smooth" else "is smooth"
+    empty = "hardly differs from the background" if _is_smooth(options) else "is smooth"
 
     def measured(frame: Frame) -> FrameResult:
         if frame.pixels is None:

@@ -276,7 +276,7 @@ def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
     read: Callable[[Path], npt.ArrayLike] = grey_levels
     if contact.background is not None:
         path = folder / contact.background
-        if smooth and isinstance(contact, Observation):
+        if smooth:
             read = image.read_colour_image
     elif smooth and isinstance(contact, ContactSequence):
         path, read = folder / contact.file, _first_frame
@@ -294,4 +294,4 @@ def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -
 
 
 def _first_frame(path: Path) -> Any:
-    return with_first_frame(image.open_frames(path), {"surface": "smooth"})["background"]
+    return with_first_frame(image.open_frames(path, colour=True), {"surface": "smooth"})["background"]

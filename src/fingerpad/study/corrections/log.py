@@ -21,7 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fingerpad._files import digest_of, explain_write_errors
 from fingerpad.exceptions import CorrectionConflict, ImageError, ManifestError, StoreError
-from fingerpad.image import open_frames
+from fingerpad.image import Frames, open_frames
 from fingerpad.study.corrections.changes import (
     Change,
     ContactCorrection,
@@ -263,9 +263,14 @@ def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str]
     if not isinstance(table, ContactSequence):
         return ""
     try:
-        return open_frames(folder / table.file).at(int(number)).digest
+        return sequence_frames(table, folder).at(int(number)).digest
     except ImageError:
         return ""
+
+
+def sequence_frames(sequence: ContactSequence, folder: Path) -> Frames:
+    """Return a sequence's frames, those of smooth contacts in colour: a gel shows a contact by it."""
+    return open_frames(folder / sequence.file, colour=sequence.surface == "smooth")
 
 
 def on_another_image(

@@ -24,7 +24,7 @@ from fingerpad.image.sequence.frames import played_rate
 from fingerpad.loading.contact_point import first_contact
 from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
+from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item, sequence_frames
 from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
 from fingerpad.study.manifest.models import ContactSequence
@@ -81,14 +81,14 @@ class SequenceImages:
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
         options = apply.contact_options(self.sequence, folder)
-        with closing(image.open_frames(folder / self.sequence.file).between(*piece)) as frames:
+        with closing(sequence_frames(self.sequence, folder).between(*piece)) as frames:
             scan = image.scan_texture(frames, self.found.scale, **options)
         return {"scan": replace(scan, reason=scan.reason and in_study(scan.reason, folder))}
 
     def learn(self, scan: image.TextureScan, folder: Path, _out: Path) -> Record:
         """Learn from the frames of the largest contact how to read all of them."""
         settings = image.estimate_settings(
-            image.open_frames(folder / self.sequence.file),
+            sequence_frames(self.sequence, folder),
             self.found.scale,
             scan=scan,
             **apply.contact_options(self.sequence, folder),
@@ -118,7 +118,7 @@ class SequenceImages:
                 yield frame
 
         options = apply.contact_options(self.sequence, folder)
-        with closing(image.open_frames(folder / self.sequence.file).between(*piece)) as frames:
+        with closing(sequence_frames(self.sequence, folder).between(*piece)) as frames:
             results = list(
                 image.measure_frames(seen(frames), self.found.scale, settings, watch=keep, **options)
             )
@@ -158,7 +158,7 @@ class SequenceImages:
         out: Path,
     ) -> Record:
         """Draw frames chosen for their roles, each once, and return what the sequence comes to."""
-        frames = image.open_frames(folder / self.sequence.file)
+        frames = sequence_frames(self.sequence, folder)
         overlays: dict[int, FrameOverlay] = {}
         for role, index in chosen.items():
             if index in overlays:

@@ -198,10 +198,11 @@ class _Image:
     def prepared(self, change: ContactCorrection) -> PreparedContactImage:
         """Return the prepared image; strokes and a manual ellipse do not change it."""
         reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
+        place, smooth = self.opened.image_location(self.item), self.contact.surface == "smooth"
         return _PREPARED.get(
             self._key(reading),
             lambda: prepared_contact(
-                self.opened.pictures.grey(self.opened.image_location(self.item)),
+                self.opened.pictures.pixels(replace(place, colour=smooth)),
                 self.found.scale,
                 self.contact,
                 self.opened.folder,
@@ -246,7 +247,8 @@ class _Image:
         some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
 
         def learn() -> SequenceSettings | None:
-            frames, scale = open_frames(path, memory_limit=opened.pictures.memory_limit), self.found.scale
+            smooth, limit = sequence.surface == "smooth", opened.pictures.memory_limit
+            frames, scale = open_frames(path, colour=smooth, memory_limit=limit), self.found.scale
             try:
                 options = contact_options(sequence, opened.folder)
                 scan = scan_texture(map(frames.at, some), scale, **options)
