@@ -243,6 +243,12 @@ def test_a_damaged_result_is_measured_again_and_named(folder, rows):
     assert verify_study(folder / "study.toml", folder / "out").faults == ()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_folder_may_have_a_name_that_is_no_utf_8(folder, rows, tmp_path):
+    other = shutil.copytree(folder, tmp_path / os.fsdecode(b"pr\xfcfstand"))
+    assert run(other) == ([], rows)
+
+
 @pytest.mark.nightly
 def test_flipped_bits_of_a_store_change_no_row_in_silence(folder, rows):
     path = folder / "out" / STORE_NAME

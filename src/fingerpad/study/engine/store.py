@@ -260,7 +260,7 @@ class Store:
 
     def digest(self, path: Path) -> str:
         """Return the SHA-256 of a file or of a folder's files, read only where changed; empty without any."""
-        name, stamp = str(path), content_stamp(path)
+        name, stamp = _as_text(path), content_stamp(path)
         query = "SELECT path, stamp, digest, checksum FROM input WHERE path = ? AND stamp = ?"
         rows = self._execute(query, name, stamp)
         if rows and _is_intact(rows[0]):
@@ -272,17 +272,22 @@ class Store:
 
     def remember(self, path: Path, digest: str, stamp: str | None = None) -> None:
         """Keep the SHA-256 of a file, by default of its current content, for `digest`."""
-        values = str(path), content_stamp(path) if stamp is None else stamp, digest
+        values = _as_text(path), content_stamp(path) if stamp is None else stamp, digest
         self._execute("INSERT OR REPLACE INTO input VALUES (?, ?, ?, ?)", *values, _checksum(values))
 
     def unchanged(self, path: Path) -> bool:
         """Tell whether a file or folder is still what `digest` last read."""
-        rows = self._execute("SELECT stamp FROM input WHERE path = ?", str(path))
+        rows = self._execute("SELECT stamp FROM input WHERE path = ?", _as_text(path))
         return [stamp for (stamp,) in rows] == [content_stamp(path)]
 
 
 def _checksum(values: tuple[object, ...]) -> str:
     return hashlib.blake2b(repr(values).encode(errors="surrogatepass"), digest_size=16).hexdigest()
+
+
+def _as_text(path: Path) -> str:
+    """Return a path as text that SQLite takes: names of files may be no UTF-8, and damage makes them so."""
+    return str(path).encode(errors="backslashreplace").decode()
 
 
 def _is_intact(row: tuple[object, ...]) -> bool:
