@@ -122,12 +122,12 @@ _SCALE: Final = (
     Flag(
         "coin_tilted",
         "the coin is seen at a slant: lengths across the tilt are too small, which is in its uncertainty",
-        "hold the camera square to it, or photograph a grid, which rectifies the pictures",
+        "hold the camera square to it, or photograph a grid, which rectifies contact images",
     ),
     Flag(
         "grid_tilted",
         "the grid is tilted: the scale differs with place and direction, which is in its uncertainty",
-        "rectify the pictures by their grid, or hold the camera square to it",
+        "rectify contact images by their grid, or hold the camera square to it",
     ),
     Flag(
         "grid_bent",

@@ -59,6 +59,24 @@ def test_rectified_pictures_have_one_scale_everywhere() -> None:
     assert again.flags == ()
 
 
+@pytest.mark.parametrize("turns", range(4))
+@pytest.mark.parametrize(
+    ("pattern", "points"), [("checkerboard", POINTS), ("dots", POINTS), ("dots", POINTS[::-1])]
+)
+def test_rectified_pictures_are_not_turned(pattern: str, points: tuple[int, int], turns: int) -> None:
+    pixels = np.rot90(Scene().picture(POINTS, SPACING, pattern), turns).copy()
+    pixels[:25, :25] = 0
+    seen, _ = measure_grid(pixels, points, SPACING, pattern=pattern).rectified(pixels)
+    rows, columns = seen.shape
+    corners = [
+        seen[row : row + 30, column : column + 30].mean()
+        for row in (0, rows - 30)
+        for column in (0, columns - 30)
+    ]
+    assert seen.shape == pytest.approx(pixels.shape, abs=4)
+    assert np.argmin(corners) == 0
+
+
 def test_uncertainty_covers_spacing_noise_tilt_and_lens() -> None:
     rng = np.random.default_rng(5)
     errors = []

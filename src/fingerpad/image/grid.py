@@ -164,8 +164,8 @@ class Grid(Displayed):
         Parameters
         ----------
         pixels : ndarray, shape (rows, columns) or (rows, columns, channels)
-            A picture of the plane in which the grid lay. What its far parts would show beyond four times
-            the picture's size is cut off.
+            A picture of the plane in which the grid lay, such as a contact image: a finger seen at a slant
+            stays so. What its far parts would show beyond four times the picture's size is cut off.
 
         Returns
         -------
@@ -266,8 +266,8 @@ def measure_grid(
             f"no grid of {rows} × {columns} {what} found: count them down and along, and show all of them on "
             "a light margin"
         )
-    seen = places.reshape(rows, columns, 2).astype(np.float64)
-    plane = _plane(rows, columns)[..., :2].reshape(-1, 2)
+    seen = _upright(places.reshape(rows, columns, 2).astype(np.float64))
+    plane = _plane(*seen.shape[:2])[..., :2].reshape(-1, 2)
     homography, _ = cv2.findHomography(plane, seen.reshape(-1, 2), 0)
     if homography is None:
         raise CalibrationError("the points of the grid lie on one line: count them down and along")
@@ -277,6 +277,18 @@ def measure_grid(
         spacing_mm_std=spacing_mm_std,
         homography=np.asarray(homography, dtype=np.float64),
     )
+
+
+def _upright(points: FloatArray) -> FloatArray:
+    """Return points (x, y), which may begin at any corner, with rows down the picture and columns right."""
+    along, down = (
+        np.ptp(points[:, [0, -1]].mean(axis=0), axis=0),
+        np.ptp(points[[0, -1]].mean(axis=1), axis=0),
+    )
+    if along[0] + down[1] < along[1] + down[0]:
+        points = points.swapaxes(0, 1)
+    points = points if points[:, -1, 0].mean() > points[:, 0, 0].mean() else points[:, ::-1]
+    return points if points[-1, :, 1].mean() > points[0, :, 1].mean() else points[::-1]
 
 
 def _find_points(
