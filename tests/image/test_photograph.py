@@ -39,17 +39,41 @@ def found_of(face):
     return measured(truth_of(face))
 
 
-def test_a_coin_beside_the_finger_is_not_the_finger():
-    truth = rendered("radial", mm_per_px=0.1)
-    radius = 12.0 / truth.mm_per_px
+def with_coin(truth, radius_mm):
+    """Return the picture of a finger with one of a coin to its right."""
+    radius = radius_mm / truth.mm_per_px
     coin = render_coin(radius=radius, shape=(truth.pixels.shape[0], round(2.4 * radius)), noise_std=0)
     beside = np.repeat(truth.pixels[:, -1:], coin.pixels.shape[1], axis=1)
     rows, columns = np.indices(coin.pixels.shape)
     on_coin = np.hypot(rows - coin.centre[0], columns - coin.centre[1]) <= radius
     beside[on_coin] = coin.pixels[on_coin][:, None]
-    both = np.concatenate([truth.pixels, beside], axis=1)
+    return np.concatenate([truth.pixels, beside], axis=1)
+
+
+def test_a_coin_beside_the_finger_is_not_the_finger():
+    truth = rendered("radial", mm_per_px=0.1)
+    both = with_coin(truth, 12.0)
     found = measure_photograph(both, "radial", Scale(truth.mm_per_px), tip=truth.tip, palmar=truth.palmar)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
+
+
+@pytest.mark.parametrize("radius_mm", [6.5, 12.0])
+def test_a_coin_beside_a_finger_seen_end_on_may_be_the_finger(radius_mm):
+    truth = truth_of("distal")
+    both = with_coin(truth, radius_mm)
+    with pytest.raises(ImageError, match="more than one object stands out .* crop the picture"):
+        measure_photograph(both, "distal", SCALE)
+    rows, columns = truth.pixels.shape[:2]
+    box = (rows / 2, 0, rows - 1, columns - 1)
+    found = measure_photograph(both, "distal", SCALE, region_of_interest=box)
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.03)
+
+
+def test_which_of_two_fingers_is_meant_is_asked():
+    truth = truth_of("palmar")
+    both = np.concatenate([truth.pixels, truth.pixels], axis=1)
+    with pytest.raises(ImageError, match="more than one object stands out"):
+        measure_photograph(both, "palmar", SCALE)
 
 
 def test_a_distal_face_upside_down_is_flagged():

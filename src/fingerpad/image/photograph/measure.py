@@ -78,7 +78,8 @@ def measure_photograph(
     Raises
     ------
     ImageError
-        If the picture, region or marks are no good, no finger stands out, or the frame cuts the pad.
+        If the picture, region or marks are no good, no finger or more than one object that may be it stands
+        out, or the frame cuts the pad.
     FitError
         If the outline found does not determine an ellipse.
     CalibrationError
@@ -110,8 +111,10 @@ def measure_photograph(
         marked = edges.between(marks)
     elif window is not None:
         marked = edges.within(window)
-    elif face != "distal":
-        silhouette.check_tip(tip)
+    else:
+        silhouette.check_alone()
+        if face != "distal":
+            silhouette.check_tip(tip)
     tried: list[PhotographFit] = []
     errors: list[ImageError | FitError] = []
     for side in sides:

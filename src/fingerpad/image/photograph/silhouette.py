@@ -26,6 +26,9 @@ _MIN_AREA_SHARE = 0.004
 _MAX_AREA_SHARE = 0.92
 # What comes in through the frame's side is the finger if it is at least this share of the largest region.
 _LEAST_COMING_IN = 0.2
+# A second region of at least this share of the largest may be the finger as well: where the finger comes in
+# only another that does, such as a second finger; seen end on any, such as a coin or a ruler.
+_RIVAL_COMING_IN, _RIVAL_END_ON = 0.5, 0.2
 _SMOOTHING_PX = 3.0
 
 # Samples per pixel along a normal, and how far beyond the reach, px; blurs (standard deviation, px) tried.
@@ -49,6 +52,7 @@ class Silhouette(NamedTuple):
 
     mask: BoolArray  # the finger, in a reduced copy
     reduction: float  # pixels of the photograph per pixel of the copy
+    alone: bool  # whether nothing else in view may be the finger as well
 
     def contour(self) -> FloatArray:
         """Return its outline, (row, column) in px of the photograph, in order, without the frame."""
@@ -72,6 +76,14 @@ class Silhouette(NamedTuple):
         }
         cuts = {side: np.flatnonzero(band.any(axis=0)) for side, band in bands.items()}
         return {side: cut for side, cut in cuts.items() if cut.size > 2}
+
+    def check_alone(self) -> None:
+        """Refuse to guess which of several objects is the finger."""
+        if not self.alone:
+            raise ImageError(
+                "more than one object stands out that may be the finger, such as a coin, a ruler or another "
+                "finger: crop the picture to the finger, or give region_of_interest round the arc of its pad"
+            )
 
     def check_tip(self, tip: Direction) -> None:
         """Refuse a finger that enters the picture from a side beside its tip, in the middle of its extent."""
@@ -137,7 +149,9 @@ def find_silhouette(light: Float32Array, root: Direction | None, window: Window 
         for part in window or (slice(0, light.shape[0]), slice(0, light.shape[1]))
     )
     way_in = root if window is None else None
-    return Silhouette(_component(_finger(distance), (first, second), way_in), reduction)
+    mask, rival = _component(_finger(distance), (first, second), way_in)
+    alone = rival < (_RIVAL_END_ON if root is None else _RIVAL_COMING_IN)
+    return Silhouette(mask, reduction, alone)
 
 
 def _off_backdrop(small: Float32Array, root: Direction | None) -> tuple[FloatArray, FloatArray]:
@@ -193,8 +207,11 @@ def _finger(distance: FloatArray) -> BoolArray:
     return np.asarray(mask, dtype=bool)
 
 
-def _component(mask: BoolArray, window: Window, way_in: Direction | None) -> BoolArray:
-    """Return the region that fills most of the window, without holes; first one that comes in by `way_in`."""
+def _component(mask: BoolArray, window: Window, way_in: Direction | None) -> tuple[BoolArray, float]:
+    """Return the region that fills most of the window, without holes; first one that comes in by `way_in`.
+
+    Beside it the size of the next, relative to it.
+    """
     size = max(3, round(0.006 * max(mask.shape)) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     padded = cv2.copyMakeBorder(mask.astype(np.uint8), size, size, size, size, cv2.BORDER_REPLICATE)
@@ -213,7 +230,8 @@ def _component(mask: BoolArray, window: Window, way_in: Direction | None) -> Boo
             if counts.max() < np.bincount(labels.ravel())[1:].max(initial=0)
             else "no finger found, only specks stand out from the backdrop: come nearer"
         )
-    return fill_holes(labels == counts.argmax())
+    following, largest = np.sort(counts)[-2:]
+    return fill_holes(labels == counts.argmax()), float(following / largest)
 
 
 def _smooth_contour(points: FloatArray, *, closed: bool) -> FloatArray:
