@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import FitError
-from fingerpad.image import FACE_AXES, FaceSemiAxes, combine_faces
+from fingerpad.image import FACE_AXES, FaceSemiAxes, Scale, combine_faces, photograph_from_ellipse
 
 TRUTH = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 THREE = ("palmar", "distal", "radial")
@@ -102,6 +102,18 @@ def test_scale_shared_by_two_faces():
         return combine_faces(faces).stds[1]
 
     assert std(None, None, None) < std("a", None, "a") < std("a", "a", "a")
+
+
+def test_photographs_measured_with_one_scale_share_its_error():
+    def seen(*pitches):
+        ellipse = {"centre": (300, 200), "semi_axes": (200, 250)}
+        scales = [Scale(pitch, 0.05 * pitch) for pitch in pitches]
+        fits = [photograph_from_ellipse(n, s, **ellipse) for n, s in zip(THREE[::2], scales, strict=True)]
+        return combine_faces(fit.face_semi_axes for fit in fits)
+
+    one, two = seen(0.05, 0.05), seen(0.05, 0.0501)
+    assert (one.stds > 0.05 * one.semi_axes).all()
+    assert two.stds[1] < 0.9 * one.stds[1]
 
 
 @pytest.mark.parametrize(

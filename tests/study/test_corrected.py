@@ -1,6 +1,7 @@
 """Measuring with corrections and by a second operator: what holds, and what is measured again."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -114,6 +115,15 @@ def test_photographs_fitted_manually_and_rejected(folder):
     np.testing.assert_array_equal(joint.semi_axes, found.semi_axes)
     np.testing.assert_array_equal(joint.covariance, found.covariance)
     assert joint.semi_axes[1] == pytest.approx(145 * CAMERA.mm_per_px, rel=1e-6)
+
+
+def test_photographs_that_repeat_the_table_of_a_scale_share_its_error(folder, tmp_path):
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    manifest = tmp_path / "study.toml"
+    table = "scale = {mm_per_px = 0.1, relative_std = 0.2}"
+    manifest.write_text(manifest.read_text().replace('scale = "camera"', table))
+    found = run_study(manifest, tmp_path / "out").fingers["f"]
+    assert (np.sqrt(np.diagonal(found.covariance)) > 0.2 * found.semi_axes).all()
 
 
 pytestmark = pytest.mark.usefixtures("small_pieces")

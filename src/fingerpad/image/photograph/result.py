@@ -161,12 +161,14 @@ class PhotographFit(Displayed):
 
     @property
     def face_semi_axes(self) -> FaceSemiAxes:
-        """The semi-axes as `combine_faces` takes them."""
+        """The semi-axes as `combine_faces` takes them: equal scales are one, whose error is shared."""
+        scale = self.scale
         return FaceSemiAxes(
             face=self.face,
             semi_axes=self.semi_axes,
             covariance=self.edge_covariance,
-            relative_scale_std=self.scale.relative_std,
+            relative_scale_std=scale.relative_std,
+            scale=f"{scale.mm_per_px!r} ± {scale.mm_per_px_std!r} mm/px" if scale.mm_per_px_std else None,
             flags=self.flags,
         )
 

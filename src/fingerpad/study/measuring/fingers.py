@@ -273,6 +273,11 @@ def face_record(
     }
 
 
+def face_in_scale(face: image.FaceSemiAxes, name: str | None) -> image.FaceSemiAxes:
+    """Return a face whose scale has the name that the study gives it, if any."""
+    return face if name is None else replace(face, scale=name)
+
+
 def outline_radii(found: image.PhotographFit) -> tuple[tuple[float, float, float], ...]:
     """Return wedge angles, degrees, and radii with standard uncertainties, mm, of a side face's outline."""
     if found.face not in ("radial", "ulnar"):
@@ -289,7 +294,7 @@ def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path)
     face = image.face_from_outline(
         photograph.face, image.read_outline(folder / photograph.outline), relative_std
     )
-    return face if scale is None else replace(face, scale=scale.name)
+    return face if scale is None else face_in_scale(face, scale.name)
 
 
 def _face(
@@ -304,5 +309,5 @@ def _face(
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
     scale = require_scale(context.scale(photograph.scale))
-    axes = replace(from_record(image.FaceSemiAxes, record["axes"]), scale=scale.name)
+    axes = face_in_scale(from_record(image.FaceSemiAxes, record["axes"]), scale.name)
     return axes, PhotographResult(manifest=photograph, scale=scale, **fields_from(PhotographResult, record))

@@ -2,7 +2,6 @@
 
 import math
 from contextlib import suppress
-from dataclasses import replace
 from functools import lru_cache
 from typing import Final, Literal, TypeAlias, get_args
 
@@ -26,6 +25,7 @@ from fingerpad.study.corrections.log import is_rejected
 from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey, validated
 from fingerpad.study.measuring.fingers import (
     FingerResult,
+    face_in_scale,
     finger_from_faces,
     outline_face,
     outline_radii,
@@ -232,14 +232,15 @@ def _faces(
         own = photograph_item(finger, one)
         scale = one.scale if isinstance(one.scale, str) else None
         if fit is not None and own == item:
-            faces[own] = replace(fit.face_semi_axes, scale=scale)
+            faces[own] = face_in_scale(fit.face_semi_axes, scale)
         elif is_rejected(opened.corrections.active_correction(own)):
             continue
         elif one.outline is not None:
             known = None if one.scale is None else scale_of(opened, one.scale)
             faces[own] = outline_face(one, known, opened.folder)
         else:
-            faces[own] = replace(_fit(opened, own, one, _stored(opened, own)).face_semi_axes, scale=scale)
+            found = _fit(opened, own, one, _stored(opened, own))
+            faces[own] = face_in_scale(found.face_semi_axes, scale)
     return faces
 
 
