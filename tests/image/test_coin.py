@@ -1,6 +1,7 @@
 """Coins: known radius, tilt and place, and what is said where there is no one whole coin."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -92,6 +93,15 @@ def test_edge_outliers_left_out():
     assert off.max() > 2
     assert off[outline.kept].max() < 0.8
     assert outline.support > 0.8
+
+
+def test_two_coins_are_named_by_their_places_in_the_picture():
+    coin = render_coin(radius=200, shape=(1000, 500)).pixels
+    with pytest.raises(CalibrationError, match="2 coins found") as caught:
+        measure_coin(np.hstack([coin, coin]))
+    places = re.findall(r"row (\d+), column (\d+)", str(caught.value))
+    found = sorted(([int(row), int(column)] for row, column in places), key=lambda place: place[1])
+    np.testing.assert_allclose(found, [[500, 250], [500, 750]], atol=3)
 
 
 @pytest.mark.parametrize(

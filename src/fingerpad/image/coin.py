@@ -182,7 +182,7 @@ def measure_coin(image: ImageLike) -> Coin:
     values = as_float32(levels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
-    chosen, shadowed = _coin_outline(as_float32(small))
+    chosen, shadowed = _coin_outline(as_float32(small), step)
     # Pixel centres of the small image lie at whole numbers of its own.
     x, y = ((place + 0.5) * step - 0.5 for place in (chosen.ellipse.x, chosen.ellipse.y))
     start = replace(chosen.ellipse.scaled(step), x=x, y=y)
@@ -203,8 +203,8 @@ def _smooth(image: Float32Array, std_px: float = 1.0) -> Float32Array:
     return as_float32(cv2.GaussianBlur(image, (0, 0), std_px))
 
 
-def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
-    """Return the outline of the one coin, and whether a shadow's lies against it."""
+def _coin_outline(image: Float32Array, step: float) -> tuple[Outline, bool]:
+    """Return the one coin's outline in a copy reduced by `step`, and whether a shadow lies against it."""
     found = _outlines(image)
     outlines = _select_sharp(found, image) if found else []
     if not outlines:
@@ -217,7 +217,7 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
         if all(math.hypot(x - o.ellipse.x, y - o.ellipse.y) > 0.8 * o.ellipse.size for o in apart):
             apart.append(one)
     if len(apart) > 1:
-        places = ", ".join(f"(row {o.ellipse.y:.0f}, column {o.ellipse.x:.0f})" for o in apart)
+        places = ", ".join(f"(row {step * o.ellipse.y:.0f}, column {step * o.ellipse.x:.0f})" for o in apart)
         raise CalibrationError(
             f"{len(apart)} coins found where one is expected, at {places}: crop the image to one"
         )
