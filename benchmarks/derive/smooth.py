@@ -54,11 +54,21 @@ def compare(model: Any, steps: Sequence[Seen]) -> Compared:
 
 _LIMITS = (
     "least_contrast", "low_contrast", "crest_contrast", "least_score", "least_score_cut", "least_seen",
-    "most_shared", "least_overshoot", "least_begin",
+    "most_shared", "least_overshoot", "rim", "even_begin", "film_begin", "sharp",
 )  # fmt: skip
 _KEPT = dict.fromkeys(_LIMITS, "choice: what counts as a contact, or is flagged")
 _KEPT["cut"] = "the truth of contacts that the frame cuts is not defined"
 _PLACES = "crest", "fringe", "fringe_blur", "film"
-_EFFECTS = "pixel", "by_width", "by_scatter", "second", "hidden", "crest_std", "fringe_std", "film_std"
+_EFFECTS = (
+    "pixel",
+    "by_width",
+    "by_wider",
+    "by_scatter",
+    "second",
+    "hidden",
+    "crest_std",
+    "fringe_std",
+    "film_std",
+)
 _OF = "error of the area, as a share"
 PROBLEMS = (Problem(SMOOTH, _OF, sample, compare, places=_PLACES, stds=_EFFECTS, kept=_KEPT),)

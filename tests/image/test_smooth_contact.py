@@ -123,7 +123,7 @@ def test_the_body_around_a_contact_is_a_doubt(with_background):
     assert "edge_unclear" in found.flags or found.gross_area == pytest.approx(true, rel=0.03)
 
 
-@pytest.mark.parametrize(("film_px", "contrast"), [(4.0, -20.0), (9.0, -30.0), (12.0, -50.0)])
+@pytest.mark.parametrize(("film_px", "contrast"), [(4.0, -20.0), (9.0, -30.0), (12.0, -50.0), (12.0, -18.0)])
 def test_a_film_round_a_contact_is_no_contact(film_px, contrast):
     image, ground = _picture(contrast=contrast)
     size = 1 + film_px / math.sqrt(math.prod(_AXES))
@@ -132,6 +132,35 @@ def test_a_film_round_a_contact_is_no_contact(film_px, contrast):
     assert "edge_unclear" in found.flags
     assert abs(found.gross_area - _AREA) < 1.96 * found.gross_area_std
     assert found.gross_area == pytest.approx(_AREA, rel=0.03)
+
+
+def test_the_bright_rim_of_a_film_is_no_fringe():
+    image, ground = _picture(contrast=-45.0)
+    inner, outer = (1 + px / math.sqrt(math.prod(_AXES)) for px in (10.0, 15.0))
+    for contrast, size, less in ((-45.0, inner, 0.0), (80.0, outer, inner)):
+        ring, none = (_picture(contrast=contrast, size=each)[0].astype(float) for each in (size, less))
+        image = image + ring - none
+    found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)
+    assert "edge_unclear" in found.flags
+    assert found.gross_area == pytest.approx(_AREA, rel=0.03)
+
+
+def test_a_step_so_wide_that_it_may_hide_a_film_is_less_certain():
+    image, ground = _picture(contrast=-45.0)
+    film, none = (
+        picture.astype(float)
+        for picture in _picture(contrast=-45.0, size=1 + 4.0 / math.sqrt(math.prod(_AXES)))
+    )
+    found = measure_contact_image(image + film - none, _SCALE, surface="smooth", background=ground)
+    assert abs(found.gross_area - _AREA) < 1.5 * found.gross_area_std
+
+
+def test_a_grey_background_of_a_colour_picture_is_named_where_only_colours_show_the_contact():
+    _, ground = _picture(contrast=0.0, contact=False)
+    lift = np.subtract(*(each.astype(float) for each in _picture(contrast=40.0)))
+    colours = np.stack([ground + lift, ground - lift / 2, ground - lift / 2], axis=-1).clip(0, 255)
+    with pytest.raises(ImageError, match="both in colour"):
+        measure_contact_image(colours, _SCALE, surface="smooth", background=ground)
 
 
 def test_all_that_concerns_ridges_is_empty():

@@ -131,6 +131,8 @@ class SmoothModel:
     # Standard deviation that all of the edge shares.
     pixel: float = 0.3  # px
     by_width: float = 0.08  # of the step's width
+    sharp: float = 4.0  # px; width of the step that a sharp camera shows
+    by_wider: float = 0.2  # of what the step is wider, as squares: by blur, or by a film
     by_scatter: float = 5.5  # of the scatter along the outline: a wet rim wobbles
     second: float = 0.3  # of the distance of a second edge
     hidden: float = 0.07  # of the radius, where nothing of the edge is seen
@@ -145,9 +147,11 @@ class SmoothModel:
     fringe: float = 1.25  # of the distance of the first; the edge lies so far inside
     fringe_blur: float = 0.2  # of the step's height; less by half where blur leaves so much of it
     fringe_std: float = 0.25  # of that distance
+    rim: float = 0.4  # of that distance; where the step is narrower, a film's rim lies there and no fringe
 
     # A film of water outside, whose step blur has joined to that of the contact.
-    least_begin: float = 0.6  # of the step's width; from there inwards the fall begins
+    even_begin: float = 0.45  # of the step's width; blur alone lets the fall begin no farther inside
+    film_begin: float = 0.15  # of that width; where it begins so much farther inside, a film is certain
     film: float = 1.1  # of that distance; the edge lies so far inside
     film_std: float = 0.4  # of that distance
 

@@ -37,7 +37,6 @@ _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"
 )
-_WAY_OUT: Final = "give background, the same view without a finger, or draw the contact"
 
 
 def find_smooth(
@@ -61,10 +60,10 @@ def find_smooth(
     if not steps:
         if seed is not None:
             return view, None, f"no contact found at seed {seed}: give a (row, column) within the contact"
-        return view, None, f"{_REFUSED}; none was found: {_WAY_OUT}"
+        return view, None, f"{_REFUSED}; none was found: {_way_out(pixels, options)}"
     best = steps[0]
     if problem := _problem(best, options.get("contrast")):
-        return view, None, problem
+        return view, None, f"{problem}: {_way_out(pixels, options)}"
     edge = _edge(best, view, nested=_nested(best, values, light, inside))
     patch = filled_polygon(edge.points, view.inside.shape) > 0
     return view, (Region(patch=np.asarray(patch), several=_several(steps)), edge), None
@@ -96,15 +95,24 @@ def _problem(step: Step, contrast: float | None) -> str | None:
         return f"no contact found: contrast {step.height:.3g} is less than half of the given {contrast:.3g}"
     if step.height < SMOOTH.least_contrast * _ground(step):
         return (
-            f"no contact found: contrast {step.height:.3g} against {step.noise:.3g} of the ground around it: "
-            f"{_WAY_OUT}"
+            f"no contact found: contrast {step.height:.3g} against {step.noise:.3g} of the ground around it"
         )
     if step.score < (SMOOTH.least_score_cut if step.cut else SMOOTH.least_score):
         return (
             f"{_REFUSED}; the clearest patch shows its edge in {step.seen:.0%} of all directions, "
-            f"{step.width:.3g} px wide: {_WAY_OUT}"
+            f"{step.width:.3g} px wide at a radius of {step.radius:.3g} px"
         )
     return None
+
+
+def _way_out(pixels: npt.ArrayLike, options: ContactImageOptions) -> str:
+    """Return what helps where no contact is found."""
+    background = options.get("background")
+    if background is None:
+        return "give background, the same view without a finger, or draw the contact"
+    if np.ndim(pixels) != np.ndim(background):
+        return "give picture and background both in colour, or both in grey: else no colours count"
+    return "draw the contact, if there is one"
 
 
 def _ground(step: Step) -> float:
@@ -214,10 +222,13 @@ def _beyond(step: Step) -> tuple[float, float, bool]:
         shift = -SMOOTH.fringe * fringe
         terms.append(SMOOTH.fringe_std * fringe)
     else:
-        terms.append(SMOOTH.second * step.second)
+        # A step wider than that of a sharp camera is one of blur, or of a film or thin gap that blur hides.
+        wider = math.sqrt(max(step.width**2 - SMOOTH.sharp**2, 0.0))
+        terms += [SMOOTH.second * step.second, SMOOTH.by_wider * wider]
         # Blur alone makes a symmetric step: where the fall begins farther inside, a film lies outside.
-        film = step.begin if step.begin > SMOOTH.least_begin * step.width else 0.0
-        shift = -SMOOTH.film * film
-        terms.append(SMOOTH.film_std * film)
-        unclear = max(step.second, film) > 0
+        film = SMOOTH.film * step.begin
+        share = min(max((step.begin / step.width - SMOOTH.even_begin) / SMOOTH.film_begin, 0.0), 1.0)
+        shift = -share * film
+        terms += [SMOOTH.film_std * math.sqrt(share) * step.begin, math.sqrt(share * (1 - share)) * film]
+        unclear = step.second > 0 or share > 0.5
     return shift, math.hypot(*terms), unclear

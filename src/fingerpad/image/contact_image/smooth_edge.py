@@ -37,7 +37,9 @@ _MOST_AREA: Final = 0.9
 _APPENDAGE: Final = 0.4  # parts of a patch narrower than this share of its width are reflections, not contact
 _CLEAR: Final = 0.4  # beyond this score signals of another kind are not tried,
 _VERY_CLEAR: Final = 0.85  # and beyond this one neither other levels nor signals
-_LEAST_SECOND: Final = 0.25  # a second edge drops by no less than this share of the main one
+# A second edge is as steep, and drops, by no less than this share of the main one: a film may be nearly as
+# dark as the contact.
+_LEAST_SECOND: Final = 0.2
 _SEEN: Final = 0.85  # a contact of which less of the outline is seen may leave the frame
 _DIRECTIONS: Final = 180
 # How far profiles reach to both sides, in parts of the contact's mean radius, round by round.
@@ -298,6 +300,9 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     top = float(np.median(smooth[inner])) if inner.any() else math.nan  # of a ring no plateau is seen
     ground = float(np.median(smooth[len(smooth) - int(outer.sum()) :]))
     first, overshoot = _first_fringe(smooth[across > place], top, ground)
+    # The fall to a fringe begins at the edge: what lies far beyond a narrow step is the rim of a film.
+    if width < SMOOTH.rim * first * spacing:
+        overshoot = 0.0
     second = 0.0 if overshoot > SMOOTH.least_overshoot else min(others, default=place) - place
     between = np.abs(across - place - second / 2) <= second / 4
     if between.sum() > 2:  # the contact ends half-way to the level between two edges
@@ -397,7 +402,7 @@ def _edge_of(
     if not peaks:
         return None, 0.0, [], False
     best = max(peaks, key=lambda k: slope[k])
-    strong = [k for k in peaks if slope[k] > 0.3 * slope[best]]
+    strong = [k for k in peaks if slope[k] > _LEAST_SECOND * slope[best]]
     width = _width_at(slope, best) * spacing
     least = _LEAST_SECOND * _drop(profile, slope, best)
     edges = [best]
