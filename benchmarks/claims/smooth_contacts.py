@@ -61,7 +61,7 @@ def _cells(kind: str, seen: pd.DataFrame) -> tuple[object, ...]:
     return KINDS[kind], len(true), *numbers, *counts, ", ".join(f"`{flag}` {count}" for flag, count in flags)
 
 
-def report(first_seed: int = 200, seeds: int = 4) -> None:
+def report(first_seed: int = 300, seeds: int = 4) -> None:
     """Print errors of single contacts by optics, with and without a first picture, and of presses."""
     numbers = range(first_seed, first_seed + seeds)
     head = ("device", "n", "bias, rms error", "stated, held", "refused", "missed", "without contact", "flags")
