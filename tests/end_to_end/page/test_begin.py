@@ -326,7 +326,7 @@ def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> Non
     page.keyboard.press("Tab")
     found, std = scale_of(numbers(page, "scale"))
     assert std > 0.05 * found
-    page.get_by_text("rectify the pictures by their grid").wait_for()
+    page.get_by_text("rectify contact images by their grid").wait_for()
     page.get_by_label("Name", exact=True).fill("board")
     page.get_by_role("button", name="Only contact images").click()
     page.get_by_role("button", name="Save scale").click()
