@@ -91,11 +91,11 @@ def _parts(
 
 def _problem(step: Step, contrast: float | None) -> str | None:
     """Return why a step is no contact's, None where it may be."""
-    if contrast is not None and step.height < contrast / 2:
-        return f"no contact found: contrast {step.height:.3g} is less than half of the given {contrast:.3g}"
-    if step.height < SMOOTH.least_contrast * _ground(step):
+    if contrast is not None and step.contrast < contrast / 2:
+        return f"no contact found: contrast {step.contrast:.3g} is less than half of the given {contrast:.3g}"
+    if step.contrast < SMOOTH.least_contrast * _ground(step):
         return (
-            f"no contact found: contrast {step.height:.3g} against {step.noise:.3g} of the ground around it"
+            f"no contact found: contrast {step.contrast:.3g} against {step.noise:.3g} of the ground around it"
         )
     if step.score < (SMOOTH.least_score_cut if step.cut else SMOOTH.least_score):
         return (
@@ -162,7 +162,7 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
         contact=as_float32(turned - ground),
         ground=ground,
         noise=0.0 if step is None else step.noise,
-        contrast=0.0 if step is None else step.height,
+        contrast=0.0 if step is None else step.contrast,
         dark_on_light=dark,
         shown=part.shown(shape),
         inside=np.asarray(in_copy),
@@ -173,7 +173,7 @@ def _view(part: Crop, values: Float32Array, inside: BoolArray, scale: Scale, ste
 def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     """Return a step as the edge of a contact in the copy, moved to where the contact ends."""
     shift, shared, unclear = _beyond(step)
-    doubts = {"low_contrast"} if step.height < SMOOTH.low_contrast * _ground(step) else set()
+    doubts = {"low_contrast"} if step.contrast < SMOOTH.low_contrast * _ground(step) else set()
     if step.cut or _cut_out(step, view.part.pixels):
         doubts.add("touches_border")
     elif step.seen < SMOOTH.least_seen:

@@ -65,6 +65,7 @@ class Step:
     ring: bool  # whether the edge is a crest, not a step
     narrow: bool  # whether that crest is a narrow ring round a level floor
     second: float  # how far outside a second edge lies, 0 for none
+    contrast: float  # level of the contact above the ground, that of a film between them left out
     overshoot: float  # how far the first fringe outside rises beyond the ground, over the height; 0 for none
     fringe: float  # how far outside the edge it lies
     begin: float  # how far inside it the fall from the contact's level begins, on average; 0 of a crest
@@ -335,6 +336,7 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
         ring=ring,
         narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),
         second=second,
+        contrast=max(typical_height, top - ground) if second > 0 else typical_height,
         overshoot=overshoot,
         fringe=first * spacing,
         begin=begin,
