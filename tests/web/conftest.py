@@ -46,7 +46,7 @@ class Client(httpx.Client):
         return self.study_post(path, **body).json()
 
     def edit(self, *edits):
-        """Edit the study as it is now, and return its new state."""
+        """Edit the current study, and return its new state."""
         digest = self.ask("state")["digest"]
         return self.study_post("edits", expected=digest, edits=edits).raise_for_status().json()
 
