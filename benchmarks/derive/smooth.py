@@ -1,13 +1,14 @@
 """Edge of contacts without ridges, on pictures made from the gap between an elastic body and the glass."""
 
 from collections.abc import Sequence
+from itertools import chain, islice
 from typing import Any, TypeAlias
 from unittest.mock import patch
 
 import numpy as np
 
 from benchmarks.derive.fit import Compared, Problem
-from benchmarks.truth.smooth_contacts import KINDS, pictures
+from benchmarks.truth.smooth_contacts import DEVICES, KINDS, loading, pictures
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import smooth
 from fingerpad.image.contact_image.calibration import SMOOTH
@@ -24,10 +25,12 @@ Seen: TypeAlias = tuple[View, Step, float]
 
 
 def sample(count: int, seed: int) -> list[Seen]:
-    """Return the clearest step of pictures of each device that contain the whole contact."""
+    """Return the clearest step of pictures and presses of each device that contain the whole contact."""
     found = []
     for kind in KINDS:
-        for picture in pictures(seed, count, kind):
+        # A press begins with a small contact, which a film of water widens most.
+        pressed = islice(loading(seed, count, kind), 1, None) if kind in DEVICES else ()
+        for picture in chain(pictures(seed, count, kind), pressed):
             if not picture.whole:
                 continue
             part, values, light = smooth._parts(picture.image, {"background": picture.background})

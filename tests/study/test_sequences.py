@@ -23,7 +23,7 @@ from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import plots, write_report
 from fingerpad.report.text import doubtful_results, fingers_without_results, sequence_notes
 from fingerpad.simulate import SyntheticSequence, render_sequence
-from fingerpad.study.corrections.apply import frame_corrections
+from fingerpad.study.corrections.apply import contact_options, frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectionLog
 from fingerpad.study.engine.runner import Progress
@@ -536,6 +536,15 @@ def test_frames_of_smooth_contacts_keep_their_colours(tmp_path):
             truth = area_at(LOADS[int(name.removeprefix("press#"))])
             assert abs(row["gross_area_mm2"] - truth) < 2.5 * row["gross_area_mm2_std"] < 0.3 * truth
     assert result.sequences[0].summary.measured == sum(load > 0 for load in LOADS)
+
+
+def test_the_background_of_smooth_frames_is_as_deep_as_they_are(tmp_path):
+    manifest = make_smooth_study(tmp_path)
+    levels = np.asarray(Image.open(tmp_path / "empty.png")).astype(np.uint16) * 257 + 100
+    Image.fromarray(levels).save(tmp_path / "deep.png")
+    (sequence,) = read_study(manifest).sequences
+    options = contact_options(sequence.model_copy(update={"background": "deep.png"}), tmp_path)
+    np.testing.assert_array_equal(options["background"], levels)
 
 
 @pytest.fixture(scope="module")

@@ -150,7 +150,7 @@ def _textured_windows(pixels: npt.NDArray[Any], inside: BoolArray | None) -> npt
 
 
 def _window_means(sparse: Float32Array) -> Float32Array:
-    """Return the mean of each window, half a window apart, of a picture given by every fourth pixel."""
+    """Return the mean of each window, half a window apart, of a picture given by every other pixel."""
     quarters = block_means(sparse, _STEP // _STRIDE)
     return as_float32(cv2.blur(quarters, (2, 2), anchor=(0, 0)))[:-1, :-1]
 

@@ -243,7 +243,7 @@ FrameClock: TypeAlias = FrameRate | FrameStamps
 
 
 def check_kind(name: str, value: object, kind: type | UnionType, wanted: str) -> None:
-    """Refuse an argument of another type than None."""
+    """Refuse an argument that is given and of another kind than wanted."""
     if not isinstance(value, kind | None):
         raise LoadingError(f"{name} must be {wanted}, found {type(value).__name__}")
 

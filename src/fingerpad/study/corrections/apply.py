@@ -15,7 +15,7 @@ from fingerpad import image
 from fingerpad._arrays import FloatArray
 from fingerpad._files import content_stamp
 from fingerpad.exceptions import ImageError
-from fingerpad.image.read import grey_levels
+from fingerpad.image.read import grey_levels, read_levels
 from fingerpad.image.sequence.measure import with_first_frame
 from fingerpad.study.corrections.changes import (
     ContactCorrection,
@@ -277,7 +277,7 @@ def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
     if contact.background is not None:
         path = folder / contact.background
         if smooth:
-            read = image.read_colour_image
+            read = image.read_colour_image if isinstance(contact, Observation) else _as_frame
     elif smooth and isinstance(contact, ContactSequence):
         path, read = folder / contact.file, _first_frame
     else:
@@ -291,6 +291,11 @@ def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
 def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -> npt.ArrayLike:
     """Read the picture that all frames share, again only where its file has changed."""
     return read(path)
+
+
+def _as_frame(path: Path) -> Any:
+    """Return levels of a picture with its colours, and as deep as those of frames."""
+    return read_levels(path, image.MEMORY_LIMIT)[0]
 
 
 def _first_frame(path: Path) -> Any:

@@ -105,8 +105,8 @@ class Measured:
             one.name for same, one_press in self.repeated for one in (same[1:] if one_press else same)
         }
         for contact, seen in self._seen():
-            flags = (*seen.flags, REPEATED_PICTURE)
-            yield contact, replace(seen, flags=flags) if contact.name in repeated else seen
+            again = (REPEATED_PICTURE,) if contact.name in repeated else ()
+            yield contact, replace(seen, flags=(*seen.flags, *again)) if again else seen
 
     def _seen(self) -> Iterator[tuple[Contact, Measurement]]:
         for item in self.items.observations:

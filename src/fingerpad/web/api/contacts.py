@@ -198,11 +198,13 @@ class _Image:
     def prepared(self, change: ContactCorrection) -> PreparedContactImage:
         """Return the prepared image; strokes and a manual ellipse do not change it."""
         reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
-        place, smooth = self.opened.image_location(self.item), self.contact.surface == "smooth"
+        place = self.opened.image_location(self.item)
+        # Of a single picture the colours are read with it, below.
+        coloured = place.frame is not None and self.contact.surface == "smooth"
         return _PREPARED.get(
             self._key(reading),
             lambda: prepared_contact(
-                self.opened.pictures.pixels(replace(place, colour=smooth)),
+                self.opened.pictures.pixels(replace(place, colour=coloured)),
                 self.found.scale,
                 self.contact,
                 self.opened.folder,
