@@ -56,7 +56,7 @@ def test_a_value_has_the_digits_of_its_uncertainty(value, std, text) -> None:
 def test_what_is_known_badly_has_a_factor() -> None:
     assert [positive_with_uncertainty(39.3, std) for std in (4.1, 94.0)] == ["39.3 ± 4.1", "39 ×/÷ 3.4"]
     assert [uncertainty_of_positive(39.3, std) for std in (4.1, 94.0)] == ["± 4.1", "×/÷ 3.4"]
-    assert [two_digits(0.0996), two_digits(5678.0)] == ["0.10", "5700"]
+    assert [two_digits(0.0996), two_digits(5678.0), two_digits(0.0)] == ["0.10", "5700", "0"]
 
 
 def test_cells_and_short_texts() -> None:

@@ -37,7 +37,7 @@ def uncertainty_of_positive(value: float, std: float) -> str:
         return "–"
     if _is_factor(value, std):
         return f"×/÷ {two_digits(1 + std / value)}"
-    return f"± {two_digits(std, value)}" if std > 0 else "± 0"
+    return f"± {two_digits(std, value)}"
 
 
 def _is_factor(value: float, std: float) -> bool:
@@ -46,10 +46,12 @@ def _is_factor(value: float, std: float) -> bool:
 
 
 def two_digits(std: float, value: float = 0.0) -> str:
-    """Return a standard uncertainty with two digits.
+    """Return a standard uncertainty with two digits, and that of what is exact as 0.
 
     Beyond the five significant digits of the `value` it belongs to, it is rounded up.
     """
+    if std == 0:
+        return "0"
     decimals = _decimals(std)
     if (finest := _finest(value)) < decimals:
         decimals, std = finest, math.ceil(std * 10.0**finest) / 10.0**finest

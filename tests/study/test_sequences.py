@@ -564,6 +564,13 @@ def test_the_first_frame_is_the_background_of_a_sequence_of_smooth_contacts(smoo
     assert any(row["pooled"] for row in rows.values())
 
 
+def test_smooth_contacts_are_reported_with_the_edge_as_their_uncertainty(smooth):
+    manifest, result = smooth
+    assert studies.rows_by(result)["contact"]["gross_area_mm2_noise_std"] == 0
+    write_report(result, manifest.parent / "out")
+    assert "noise 0, edge " in (manifest.parent / "out" / "report.html").read_text()
+
+
 def change(manifest, old, new):
     manifest.write_text(manifest.read_text().replace(old, new))
 

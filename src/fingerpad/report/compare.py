@@ -195,4 +195,4 @@ def _interval(mean: Mean) -> str:
 
 
 def _two_digits(std: float) -> str:
-    return two_digits(std) if std > 0 else "0" if std == 0 else "–"
+    return two_digits(std) if std >= 0 else "–"
