@@ -75,7 +75,7 @@ INVALID = {
         (lambda: RegionPolygon(action="add", points=[(9, 9)]), r"3 or more, found shape \(1, 2\)"),
         (lambda: RegionPolygon(action="smear", points=[(9, 9)] * 3), "remove or replace, found 'smear'"),
         (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey"),
-        (lambda: Picture(pixels=np.zeros((2, 2, 3)), dots_per_inch=500), r"found shape \(2, 2, 3\)"),
+        (lambda: Picture(pixels=np.zeros((2, 2, 2)), dots_per_inch=500), r"found shape \(2, 2, 2\)"),
     ],
     exceptions.FitError: [
         (lambda: FaceSemiAxes(**FACE | {"face": "top"}), "face must be one of palmar.*found 'top'"),

@@ -13,7 +13,7 @@ import tifffile
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import open_frames, read_colour_image, read_image
+from fingerpad.image import open_frames, read_image
 
 GREY = (np.add.outer(np.arange(40), 3 * np.arange(60)) % 256).astype(np.uint8)
 
@@ -74,7 +74,6 @@ def test_camera_rotation(tmp_path, name):
     Image.fromarray(GREY).save(tmp_path / name, exif=exif)
     turned = np.rot90(GREY, -1)
     np.testing.assert_allclose(read_image(tmp_path / name).pixels, turned, atol=20)
-    np.testing.assert_allclose(read_colour_image(tmp_path / name), np.dstack([turned] * 3), atol=20)
 
 
 @pytest.mark.parametrize(
@@ -136,16 +135,11 @@ def write_oblong_pixels(path, unit=True):
 @pytest.mark.parametrize("name", ["a.png", "a.tif", "a.jpg"])
 def test_pixels_that_are_not_square_are_refused(tmp_path, name, unit):
     write_oblong_pixels(tmp_path / name, unit)
-    for read in (read_image, read_colour_image):
-        with pytest.raises(
-            ImageError, match=rf"{name}.* across and .* down: its pixels are not square"
-        ) as error:
-            read(tmp_path / name)
-        across, down = map(
-            float, re.findall(r"resolution of (\S+) across and (\S+) down", str(error.value))[0]
-        )
-        assert across / down == pytest.approx(1.25, abs=1e-4)
-        assert "resample it to square pixels" in str(error.value)
+    with pytest.raises(ImageError, match=rf"{name}.* across and .* down: its pixels are not square") as error:
+        read_image(tmp_path / name)
+    across, down = map(float, re.findall(r"resolution of (\S+) across and (\S+) down", str(error.value))[0])
+    assert across / down == pytest.approx(1.25, abs=1e-4)
+    assert "resample it to square pixels" in str(error.value)
 
 
 def test_frames_of_pixels_that_are_not_square_are_refused(tmp_path):
@@ -221,10 +215,9 @@ def test_memory_limit(tmp_path, name, dtype, channels, needed):
     else:
         assert cv2.imwrite(str(path), colour if channels == 3 else colour[..., 0])
     assert read_image(path, memory_limit=600 * needed).pixels.shape == (20, 30)
-    for read in (read_image, read_colour_image):
-        with pytest.raises(ImageError, match="30 × 20 pixels .* raise memory_limit") as caught:
-            read(path, memory_limit=600 * needed - 1)
-        assert str(path) in str(caught.value)
+    with pytest.raises(ImageError, match="30 × 20 pixels .* raise memory_limit") as caught:
+        read_image(path, memory_limit=600 * needed - 1)
+    assert str(path) in str(caught.value)
 
 
 @pytest.mark.parametrize("tags", [{"TileWidth": 2**20, "TileLength": 2**20}, {"ImageWidth": 2**30}])
@@ -263,10 +256,9 @@ def test_unsupported_compression_refused(tmp_path, code, name, content):
         tags["ImageWidth"].overwrite(60)
         tags["ImageLength"].overwrite(40)
         tags["RowsPerStrip"].overwrite(40)
-    for read in (read_image, read_colour_image):
-        with pytest.raises(ImageError, match=f"compression {name}.* convert the picture to PNG") as caught:
-            read(path)
-        assert str(path) in str(caught.value)
+    with pytest.raises(ImageError, match=f"compression {name}.* convert the picture to PNG") as caught:
+        read_image(path)
+    assert str(path) in str(caught.value)
     (frame,) = open_frames(path)
     assert frame.pixels is None
     assert name in frame.reason
@@ -289,7 +281,7 @@ def test_unsupported_tiffs_refused(tmp_path, options, words):
 def test_pipe_refused_without_waiting(tmp_path):
     for name in ("a.png", "a.tif", "a.avi"):
         os.mkfifo(tmp_path / name)
-        for read in (read_image, read_colour_image, open_frames):
+        for read in (read_image, open_frames):
             with pytest.raises(ImageError, match="is a pipe or a device|is one picture"):
                 read(tmp_path / name)
 

@@ -11,7 +11,7 @@ import pytest
 from tests import studies
 from tests.study import small_study
 
-from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
+from fingerpad.image import Scale, combine_faces, measure_contact_image, read_image
 from fingerpad.report import write_report
 from fingerpad.simulate import render_contact_image, render_finger
 from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
@@ -107,7 +107,7 @@ def test_photographs_fitted_manually_and_rejected(folder):
     active, faces = CorrectionLog(folder).active_corrections(), []
     for one in result.study.fingers[0].photographs[:2]:
         said = active.get(photograph_item(result.study.fingers[0], one))
-        pixels = read_colour_image(folder / one.file)
+        pixels = read_image(folder / one.file, colour=True).pixels
         of_face = corrected_photograph(pixels, one, CAMERA, said and said.change)
         faces.append(replace(of_face.face_semi_axes, scale="camera"))
     joint = combine_faces(faces)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.truth.grids import Scene
 from PIL import Image
+from tests.smooth_study import area_at, make_smooth_study
 from tests.studies import PAD, Table, append_tables, finger, picture, write_study
 from tests.web.conftest import refused, serving
 from tests.web.test_files import upload
@@ -71,6 +72,21 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client):
     shown = client.study_get("picture/preview", item="deep").content
     levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
     assert (levels.min(), levels.max()) == (0, 255)
+
+
+def test_contacts_without_ridges_are_shown_and_measured_in_colour(tmp_path):
+    """Their luma is that of the ground: in grey nothing is there."""
+    folder = make_smooth_study(tmp_path / "gel", colour=True).parent
+    shutil.copy(folder / "frames" / "006.png", folder / "contact.png")
+    shutil.copy(folder / "frames" / "000.png", folder / "empty.png")
+    with serving(Workspace(tmp_path)) as client:
+        client.post("/api/session/open", json={"name": "gel"}).raise_for_status()
+        for item in ("contact", "press#6"):
+            shown = client.get("/api/studies/gel/picture/preview", params={"item": item}).content
+            levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
+            assert np.ptp(levels, axis=2).max() > 50
+            area = measured(client, item, study="gel")["numbers"]["gross_area_mm2"]
+            assert abs(area["value"] - area_at(2.0)) < 3 * area["std"] < 0.3 * area_at(2.0)
 
 
 def ellipse_of(one):

@@ -64,8 +64,7 @@ def contact_options(
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
     ground = None
     if background is not None:
-        smooth = surface == "smooth"
-        ground = image.read_colour_image(background) if smooth else image.read_image(background).pixels
+        ground = image.read_image(background, colour=surface == "smooth").pixels
     corners = None if mask is None else image.read_marks(mask)
     if corners is not None and len(corners) < 3:
         raise ImageError(f"{mask}: a mask needs three corners or more, found {len(corners)}")
@@ -109,12 +108,11 @@ def measure_prints(
     overlays = _overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
-        picture = image.read_image(path)
+        picture = image.read_image(path, colour=settings["surface"] == "smooth")
         used = scale or _stated_scale(path, picture)
         if words := other_resolution(picture.dots_per_inch, used.mm_per_px):
             show.note(f"{path}: the file {words}")
-        pixels = image.read_colour_image(path) if settings["surface"] == "smooth" else picture.pixels
-        contact_image = image.measure_contact_image(pixels, used, **settings)
+        contact_image = image.measure_contact_image(picture.pixels, used, **settings)
         if path in overlays:
             image.write_overlay(overlays[path], picture.pixels, contact_image)
         return {
@@ -170,7 +168,7 @@ def measure_photo(
     overlays = _overlay_files([file], overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
-        pixels = image.read_colour_image(path)
+        pixels = image.read_image(path, colour=True).pixels
         found = image.measure_photograph(
             pixels, face, scale, tip=tip, palmar=palmar, region_of_interest=window, points=marks
         )

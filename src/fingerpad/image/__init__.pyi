@@ -53,7 +53,6 @@ from .photograph.measure import measure_photograph as measure_photograph
 from .photograph.result import PhotographFit as PhotographFit
 from .read import (
     Picture as Picture,
-    read_colour_image as read_colour_image,
     read_image as read_image,
 )
 from .scale import Scale as Scale

@@ -18,7 +18,7 @@ from fingerpad.image._masks import sample
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import correlation_length, direct_ellipse, fit_ellipse
 from fingerpad.image.levels import picture_levels
-from fingerpad.image.read import ImageLike, grey_levels
+from fingerpad.image.read import ImageLike, levels_of
 from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640
@@ -174,7 +174,7 @@ def measure_coin(image: ImageLike) -> Coin:
     >>> round(coin.tilt, 1), round(coin.scale(23.25).mm_per_px, 3)
     (0.4, 0.145)
     """
-    levels = picture_levels(grey_levels(image), "pixels", CalibrationError)
+    levels = picture_levels(levels_of(image), "pixels", CalibrationError)
     if min(levels.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
             f"pixels must be {_MIN_SIDE_PX} px or more each way, found shape {levels.shape}"

@@ -22,7 +22,7 @@ from fingerpad._arrays import (
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.levels import checked_picture, picture_levels
-from fingerpad.image.read import ImageLike, grey_levels
+from fingerpad.image.read import ImageLike, levels_of
 from fingerpad.image.scale import Scale
 
 Pattern: TypeAlias = Literal["checkerboard", "dots"]
@@ -256,7 +256,7 @@ def measure_grid(
     rows, columns = points = (int(counts[0]), int(counts[1]))
     positive_number(spacing_mm, "spacing_mm", CalibrationError)  # before the picture is read
     non_negative_number(spacing_mm_std, "spacing_mm_std", CalibrationError)
-    grey = picture_levels(grey_levels(image), "image", CalibrationError).astype(np.float32)
+    grey = picture_levels(levels_of(image), "image", CalibrationError).astype(np.float32)
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
     places = _find_points(levels, points, pattern)

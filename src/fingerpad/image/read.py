@@ -1,4 +1,4 @@
-"""Read a picture file into a plain two-dimensional grey array."""
+"""Read a picture file into a plain array of grey levels or colours."""
 
 from __future__ import annotations
 
@@ -58,12 +58,12 @@ ImageLike: TypeAlias = "npt.ArrayLike | PathLike[str] | Picture"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Picture(Displayed):
-    """A grey picture and the resolution stated in its file.
+    """A picture and the resolution stated in its file.
 
     Attributes
     ----------
-    pixels : ndarray, shape (rows, columns)
-        Grey levels, uint8, uint16 or float32 as the file had them.
+    pixels : ndarray, shape (rows, columns) or (rows, columns, 3)
+        Grey levels, or red, green and blue; uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
         As the file states it; None where it states none, or no unit. Cameras and editors write 72 or 96
         without meaning it: `Scale.of_picture` refuses those.
@@ -74,19 +74,21 @@ class Picture(Displayed):
 
     def __post_init__(self) -> None:
         # No copy: a picture may take much of the memory allowed.
-        object.__setattr__(self, "pixels", checked_picture(self.pixels, "pixels"))
+        object.__setattr__(self, "pixels", checked_picture(self.pixels, "pixels", colour=True))
         if self.dots_per_inch is not None:
             resolution = positive_number(self.dots_per_inch, "dots_per_inch", CalibrationError)
             set_fields(self, dots_per_inch=resolution)
 
 
-def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:
-    """Read one grey picture from a PNG, TIFF, JPEG, BMP or PGM file.
+def read_image(
+    path: str | PathLike[str], *, colour: bool = False, memory_limit: int = MEMORY_LIMIT
+) -> Picture:
+    """Read one picture from a PNG, TIFF, JPEG, BMP or PGM file.
 
-    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is blended with white, and a
-    camera's rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is
-    refused; `open_frames` reads it page by page. Reduced copies that a TIFF carries beside its picture do
-    not count.
+    Colour becomes luma (ITU-R BT.601) of the file's own depth unless it is kept, transparency is blended with
+    white, and a camera's rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an
+    animation) is refused; `open_frames` reads it page by page. Reduced copies that a TIFF carries beside its
+    picture do not count.
 
     Of TIFF, levels of 1 to 64 bits are read uncompressed or compressed by LZW, Deflate or PackBits, and those
     of 8 bits or 1 bit by JPEG or CCITT. Other compressions are refused by name.
@@ -95,6 +97,8 @@ def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -
     ----------
     path : path-like
         The file.
+    colour : bool
+        Keep the colours of a file that has any, as photographs and contacts without ridges need them.
     memory_limit : int
         The most bytes that reading and measuring the picture may take, by its header, before anything is
         decoded: for each pixel 24, and twice those of its samples. 2 GB are 76 million pixels of 8-bit grey,
@@ -117,40 +121,7 @@ def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -
     fingerpad.exceptions.ImageError: no_such_print.png: no such file or folder: check the path
     """
     levels, resolution = read_levels(path, memory_limit)
-    return Picture(pixels=luma(levels), dots_per_inch=resolution)
-
-
-def read_colour_image(
-    path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
-) -> npt.NDArray[np.uint8]:
-    """Read a photograph from a PNG, TIFF, JPEG, BMP or PPM file as red, green, blue of 8 bits.
-
-    Transparency is blended with white, and a camera's rotation tag is obeyed.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    memory_limit : int
-        The most bytes that reading and measuring may take, as for `read_image`.
-
-    Returns
-    -------
-    ndarray of uint8, shape (rows, columns, 3)
-        Red, green, blue.
-
-    Raises
-    ------
-    ImageError
-        If the file is missing, empty, cut short, too large or not a picture.
-
-    Examples
-    --------
-    >>> read_colour_image("no_such_finger.jpg")
-    Traceback (most recent call last):
-    fingerpad.exceptions.ImageError: no_such_finger.jpg: no such file or folder: check the path
-    """
-    return in_colour(read_levels(path, memory_limit)[0])
+    return Picture(pixels=levels if colour else luma(levels), dots_per_inch=resolution)
 
 
 def in_colour(levels: Pixels) -> npt.NDArray[np.uint8]:
@@ -159,16 +130,11 @@ def in_colour(levels: Pixels) -> npt.NDArray[np.uint8]:
     return np.repeat(eight[..., None], 3, axis=2) if eight.ndim == 2 else eight
 
 
-def grey_levels(image: ImageLike) -> npt.ArrayLike:
-    """Return the grey levels of a picture, read if it is a path."""
+def levels_of(image: ImageLike, *, colour: bool = False) -> npt.ArrayLike:
+    """Return the levels of a picture, read if it is a path, then with its colours if they are wanted."""
     if isinstance(image, str | PathLike):
-        return read_image(image).pixels
+        image = read_image(image, colour=colour)
     return image.pixels if isinstance(image, Picture) else image
-
-
-def colour_levels(image: ImageLike) -> npt.ArrayLike:
-    """Return the colours of a picture, read if it is a path; a `Picture` is grey."""
-    return read_colour_image(image) if isinstance(image, str | PathLike) else grey_levels(image)
 
 
 def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, float | None]:

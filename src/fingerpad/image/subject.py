@@ -18,7 +18,7 @@ from fingerpad.image.contact_image.spectra import line_texture
 from fingerpad.image.levels import eight_bit, picture_levels, reduced
 from fingerpad.image.photograph.faces import Direction, Face, opposite
 from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
-from fingerpad.image.read import ImageLike, colour_levels
+from fingerpad.image.read import ImageLike, levels_of
 
 Subject: TypeAlias = Literal["contact", "finger", "coin", "ruler", "other"]
 SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)
@@ -49,7 +49,7 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     colour, or a smooth body before a plain backdrop, is a finger, and its outline tells the face: end-on it
     is closed, from the front its middle line is straight, from the side it is bent.
     """
-    levels = picture_levels(colour_levels(image), "image", colour=True)
+    levels = picture_levels(levels_of(image, colour=True), "image", colour=True)
     if min(levels.shape[:2]) < 2:
         raise ImageError(f"image must have two rows and columns or more, found shape {levels.shape}")
     pixels = eight_bit(reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))

@@ -12,7 +12,7 @@ import cv2
 import numpy.typing as npt
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import open_frames, read_colour_image, read_image
+from fingerpad.image import open_frames, read_image
 from fingerpad.image.levels import reduced, stretched
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
 from fingerpad.web.answers import RequestError
@@ -35,7 +35,8 @@ class ImageLocation:
 
     path: Path
     frame: int | None = None
-    colour: bool = False  # whether it matters: of photographs, and of files of which nothing is known
+    # Whether it matters: of photographs, contacts without ridges, and files of which nothing is known.
+    colour: bool = False
 
     @property
     def stamp(self) -> Hashable:
@@ -54,7 +55,7 @@ class ImageLocation:
     def shown(self) -> "ImageLocation":
         """What is shown of it: of a file that may be a sequence the first frame."""
         of_sequence = self.frame is None and self.colour and is_sequence(self.path)
-        return ImageLocation(self.path, frame=0) if of_sequence else self
+        return replace(self, frame=0) if of_sequence else self
 
 
 @lru_cache(maxsize=8)
@@ -112,7 +113,7 @@ class Pictures:
         self._decoding = RLock()
 
     def pixels(self, place: ImageLocation) -> npt.NDArray[Any]:
-        """Return an image as it is measured: a photograph in colour, any other in grey levels."""
+        """Return an image as it is measured, in colour where that matters, or else in grey levels."""
         with self._decoding:
             return self._decoded.get((place.stamp, place.colour), lambda: self._read(place))
 
@@ -121,10 +122,8 @@ class Pictures:
         return self.pixels(replace(place, colour=False))
 
     def _read(self, place: ImageLocation) -> npt.NDArray[Any]:
-        if place.frame is None and place.colour:
-            return read_colour_image(place.path, memory_limit=self.memory_limit)
         if place.frame is None:
-            return read_image(place.path, memory_limit=self.memory_limit).pixels
+            return read_image(place.path, colour=place.colour, memory_limit=self.memory_limit).pixels
         frames = open_frames(place.path, colour=place.colour, memory_limit=self.memory_limit)
         frame = frames.at(place.frame)
         if frame.pixels is None:

@@ -195,15 +195,17 @@ class StudySession:
         kind, name, part = parts_of_item(item)
         if kind == "photograph":
             file = part if any(one.get("file") == part for one in self._photographs(name)) else None
+            coloured = True
         else:
-            file = self._stated("observation" if kind == "observation" else "sequence", name).get("file")
+            stated = self._stated("observation" if kind == "observation" else "sequence", name)
+            file, coloured = stated.get("file"), stated.get("surface", self.study().surface) == "smooth"
         if not isinstance(file, str):
             raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
         if kind in {"observation", "photograph"}:
-            return ImageLocation(self.file(file), colour=kind == "photograph")
+            return ImageLocation(self.file(file), colour=coloured)
         if not part.isdecimal() or len(part) > 9:
             raise RequestError.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
-        return ImageLocation(self.sequence_path(file), frame=int(part))
+        return ImageLocation(self.sequence_path(file), frame=int(part), colour=coloured)
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""

@@ -34,7 +34,7 @@ from fingerpad.image.contact_image.ridges import CLEAR_RISE, Ridges, find_ridges
 from fingerpad.image.contact_image.smooth import find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.read import ImageLike, colour_levels, grey_levels
+from fingerpad.image.read import ImageLike, levels_of
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 _NO_CONTRAST: Final = 2.5  # contrast over noise below which no contact is detectable
@@ -99,7 +99,7 @@ def measure_contact_image(
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())
     """
-    pixels = colour_levels(image) if options.get("surface") == "smooth" else grey_levels(image)
+    pixels = levels_of(image, colour=options.get("surface") == "smooth")
     prepared = prepare_contact_image(pixels, scale, **options)
     return replace(prepared.measure(), _picture=np.asarray(pixels))
 

@@ -25,7 +25,7 @@ from fingerpad.image.photograph.silhouette import (
     locate_edges,
     opponent_light,
 )
-from fingerpad.image.read import ImageLike, colour_levels
+from fingerpad.image.read import ImageLike, levels_of
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 _MIN_POINTS = 24
@@ -95,7 +95,7 @@ def measure_photograph(
     {'radial_ulnar': 12, 'distal': 14}
     """
     sides = palmar_directions(face, tip, palmar)
-    pixels, scale = checked_picture(colour_levels(image), "pixels", colour=True), as_scale(scale)
+    pixels, scale = checked_picture(levels_of(image, colour=True), "pixels", colour=True), as_scale(scale)
     if pixels.dtype == bool:
         raise ImageError("pixels must hold grey levels or colours, found bool: a mask is no photograph")
     check_finite(pixels, "pixels")

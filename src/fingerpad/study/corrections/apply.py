@@ -15,7 +15,7 @@ from fingerpad import image
 from fingerpad._arrays import FloatArray
 from fingerpad._files import content_stamp
 from fingerpad.exceptions import ImageError
-from fingerpad.image.read import grey_levels, read_levels
+from fingerpad.image.read import levels_of
 from fingerpad.image.sequence.measure import with_first_frame
 from fingerpad.study.corrections.changes import (
     ContactCorrection,
@@ -25,7 +25,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item
-from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Observation, Photograph
+from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Photograph
 
 
 class InterpolatedCorrection(ContactCorrection):
@@ -184,9 +184,6 @@ def prepared_contact(
     frames of a sequence are read; a person's polarity goes before them.
     """
     options = contact_options(contact, folder, correction)
-    if contact.surface == "smooth" and isinstance(contact, Observation) and contact.file is not None:
-        # A gel shows a contact by colour.
-        pixels = image.read_colour_image(folder / contact.file)
     if settings is not None:
         polarity = options["dark_on_light"]
         # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
@@ -273,11 +270,8 @@ def corrected_photograph(
 def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
     """Return the picture of the empty view; of smooth contacts in a sequence its first frame."""
     smooth = contact.surface == "smooth"
-    read: Callable[[Path], npt.ArrayLike] = grey_levels
     if contact.background is not None:
-        path = folder / contact.background
-        if smooth:
-            read = image.read_colour_image if isinstance(contact, Observation) else _as_frame
+        path, read = folder / contact.background, _coloured if smooth else levels_of
     elif smooth and isinstance(contact, ContactSequence):
         path, read = folder / contact.file, _first_frame
     else:
@@ -293,9 +287,8 @@ def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -
     return read(path)
 
 
-def _as_frame(path: Path) -> Any:
-    """Return levels of a picture with its colours, and as deep as those of frames."""
-    return read_levels(path, image.MEMORY_LIMIT)[0]
+def _coloured(path: Path) -> npt.ArrayLike:
+    return levels_of(path, colour=True)
 
 
 def _first_frame(path: Path) -> Any:

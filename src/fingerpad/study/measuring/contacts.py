@@ -16,7 +16,8 @@ from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record
 from fingerpad.flags import FLAGS
-from fingerpad.image import ContactImageResult, read_image, write_overlay
+from fingerpad.image import ContactImageResult, write_overlay
+from fingerpad.image.read import levels_of
 from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, is_rejected
@@ -131,7 +132,7 @@ def measure_observation(
     assert observation.file is not None  # the manifest's own rule
     assert scale is not None
     found = require_scale(scale)
-    pixels = read_image(folder / observation.file).pixels
+    pixels = levels_of(folder / observation.file, colour=observation.surface == "smooth")
     seen = apply.corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
@@ -343,7 +344,10 @@ def _compare(
     _out: Path,
 ) -> Record:
     assert observation.file is not None  # as the task was made
-    pixels, found = read_image(folder / observation.file).pixels, require_scale(scale)
+    pixels, found = (
+        levels_of(folder / observation.file, colour=observation.surface == "smooth"),
+        require_scale(scale),
+    )
     regions, record = [], Record()
     for name, active in {"first": one, "second": other}.items():
         wanted = apply.contact_correction(active)

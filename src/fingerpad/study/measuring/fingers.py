@@ -258,7 +258,7 @@ def face_record(
     """Measure one photograph of a finger and draw it, and return what was found as plain values."""
     assert photograph.file is not None  # the manifest's own rule
     known = require_scale(scale)
-    pixels = image.read_colour_image(folder / photograph.file)
+    pixels = image.read_image(folder / photograph.file, colour=True).pixels
     found = corrected_photograph(pixels, photograph, known.scale, correction)
     make_folder((out / overlay).parent)
     image.write_overlay(out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None)

@@ -199,8 +199,7 @@ class _Image:
         """Return the prepared image; strokes and a manual ellipse do not change it."""
         reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
         place = self.opened.image_location(self.item)
-        # Of a single picture the colours are read with it, below.
-        coloured = place.frame is not None and self.contact.surface == "smooth"
+        coloured = self.contact.surface == "smooth"
         return _PREPARED.get(
             self._key(reading),
             lambda: prepared_contact(
