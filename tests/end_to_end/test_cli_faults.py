@@ -88,10 +88,10 @@ def test_unexpected_error_fails_one_picture(
 ) -> None:
     read = fingerpad.image.read_image
 
-    def read_all_but_one(path: Path):
+    def read_all_but_one(path: Path, **options: bool):
         if path == prints[1]:
             raise fault
-        return read(path)
+        return read(path, **options)
 
     monkeypatch.setattr(fingerpad.image, "read_image", read_all_but_one)
     code, out, err = command.run("measure", "print", *prints, "--ppi", 500, "--json")
