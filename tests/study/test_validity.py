@@ -30,7 +30,6 @@ from fingerpad.study.results.validity.model_checks import (
     overall_verdict,
     p_value_of,
     verdict_of,
-    verdict_of_error,
 )
 
 
@@ -291,7 +290,7 @@ def test_a_verdict_needs_probability_and_size(p_value, size, std, verdict):
 
 
 def test_known_errors_count_in_factors():
-    assert [verdict_of_error(size) for size in (0.05, 0.051, 0.2, 0.21)] == [HOLDS, STRAINED, STRAINED, FAILS]
+    assert [verdict_of(0.0, size) for size in (0.05, 0.051, 0.2, 0.21)] == [HOLDS, STRAINED, STRAINED, FAILS]
     # A third too small is as wrong as half too large.
     low, high = CHECK.of_known_error(1.0, 1.21, ""), CHECK.of_known_error(1.21, 1.0, "")
     assert low.verdict == high.verdict == FAILS
@@ -362,7 +361,7 @@ def test_several_checks_share_the_chance_of_a_false_alarm():
 
 def test_evidence_of_one_check_is_not_lost_by_adding_others_that_agree():
     """An exponent over four contacts, then with the comparisons that a loading curve adds."""
-    growth = CHECK.of_difference((0.13, 0.06), 2 / 3, effect=-3.1, degrees_of_freedom=2, effect_on="E")
+    growth = CHECK.of_difference((0.13, 0.06), 2 / 3, effect=-3.1, degrees_of_freedom=2, difference_of="E")
     alone = judge_together([growth, *(called(ratio(10.0, 0.1, 10.0, 0.1), f"{k}") for k in range(2))])
     agreeing = [called(ratio(10.0, 0.1, 30.0, 0.3), f"with curve {k}") for k in range(3)]
     more = judge_together([*alone, *agreeing])

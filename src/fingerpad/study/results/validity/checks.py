@@ -166,7 +166,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
         (value, std),
         HERTZ_EXPONENT,
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
-        effect_on="E",
+        difference_of="E",
         degrees_of_freedom=freedom if scatters else seen.freedom,
         note=f"over {_range(seen.load[0], seen.load[-1])}; ± from the "
         + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
@@ -206,7 +206,7 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     return CHECKS[AREA_FALLS].compared_with(
         (ratio, ratio * float(std[worst])),
         (1.0, 0.0),
-        relative_difference=math.expm1(change),
+        change=change,
         difference_of="E",
         relative_std=-_OF_MODULUS * float(std[worst]),
         deviations=deviations,

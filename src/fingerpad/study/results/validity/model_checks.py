@@ -38,11 +38,31 @@ class ValidityCheck(CheckRecord):
         """Return the check without data."""
         return self.with_fields(unit="", note=why)
 
-    def compared_with(self, value: tuple[float, float], reference: tuple[float, float], **found: Any) -> Self:
-        """Return the check of a value against another, each with its uncertainty, with its verdict."""
+    def compared_with(
+        self,
+        value: tuple[float, float],
+        reference: tuple[float, float],
+        *,
+        change: float,
+        relative_std: float,
+        deviations: float,
+        degrees_of_freedom: float = math.inf,
+        **found: Any,
+    ) -> Self:
+        """Return the check of a value against another, each with its standard uncertainty, with its verdict.
+
+        `change` is by how much the difference changes the logarithm of the results that the check concerns.
+        """
         names = ("value", "value_std", "reference", "reference_std")
-        values = dict(zip(names, (*value, *reference), strict=True))
-        return self.with_fields(**values, difference=value[0] - reference[0], **found).judged()
+        values: dict[str, Any] = {
+            **dict(zip(names, (*value, *reference), strict=True)),
+            "difference": value[0] - reference[0],
+            "relative_difference": math.expm1(change),
+            "relative_std": relative_std,
+            "deviations": deviations,
+            "p_value": p_value_of(deviations, degrees_of_freedom),
+        }
+        return self.with_fields(**{**values, **found}).judged()
 
     def of_ratio(
         self,
@@ -50,60 +70,41 @@ class ValidityCheck(CheckRecord):
         reference: tuple[float, float],
         *,
         log_std: float | None = None,
-        degrees_of_freedom: float = math.inf,
-        note: str = "",
+        **found: Any,
     ) -> Self:
         """Compare a positive quantity with another value of it, by the logarithm of their ratio.
 
-        Each is given with its standard uncertainty; `log_std` is that of the logarithm of the ratio, where
-        both have errors in common.
+        `log_std` is its standard uncertainty where both have errors in common.
         """
         spread = math.hypot(value[1] / value[0], reference[1] / reference[0]) if log_std is None else log_std
         ratio = math.log(value[0] / reference[0])
         deviations = _deviations(ratio, spread)
         return self.compared_with(
-            value,
-            reference,
-            relative_difference=math.expm1(ratio),
-            relative_std=spread,
-            deviations=deviations,
-            p_value=p_value_of(deviations, degrees_of_freedom),
-            note=note,
+            value, reference, change=ratio, relative_std=spread, deviations=deviations, **found
         )
 
     def of_difference(
-        self,
-        value: tuple[float, float],
-        reference: float,
-        *,
-        effect: float,
-        effect_on: str = "",
-        degrees_of_freedom: float = math.inf,
-        note: str = "",
+        self, value: tuple[float, float], reference: float, *, effect: float, **found: Any
     ) -> Self:
-        """Compare a pure number, such as an exponent, given with its standard uncertainty, with the model's.
+        """Compare a pure number, such as an exponent, with the model's.
 
-        `effect` is by how much a unit of the difference changes the logarithm of the results that it
-        concerns, `effect_on` which in words.
+        `effect` is by how much a unit of the difference changes the logarithm of what the check concerns.
         """
         difference = value[0] - reference
-        deviations = _deviations(difference, value[1])
         return self.compared_with(
             value,
             (reference, 0.0),
-            relative_difference=math.expm1(effect * difference),
-            difference_of=effect_on,
+            change=effect * difference,
             relative_std=abs(effect) * value[1],
-            deviations=deviations,
-            p_value=p_value_of(deviations, degrees_of_freedom),
-            note=note,
+            deviations=_deviations(difference, value[1]),
+            **found,
         )
 
     def of_known_error(self, value: float, reference: float, note: str) -> Self:
         """Compare a model with a better one on the same data: a known error, without a probability."""
         error = value / reference - 1
         return self.with_fields(
-            verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
+            verdict=verdict_of(0.0, math.expm1(abs(math.log1p(error)))),
             value=value,
             reference=reference,
             difference=value - reference,
@@ -164,11 +165,6 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
     if p_value < STRAINED_BELOW_P:
         return STRAINED if size > STRAINED_ABOVE else HOLDS
     return NOT_TESTED if not NORMAL_97_5 * relative_std <= FAILS_ABOVE else HOLDS
-
-
-def verdict_of_error(relative_error: float) -> str:
-    """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %."""
-    return NOT_TESTED if math.isnan(relative_error) else verdict_of(0.0, relative_error)
 
 
 def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float:
