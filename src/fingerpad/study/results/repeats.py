@@ -24,6 +24,7 @@ from fingerpad.study.results.model import STATED_APART, contact_inputs
 from fingerpad.study.results.pooling import area_noise
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import (
+    AT_LOAD,
     PLACEMENT,
     AtLoadRecord,
     PlacementKey,
@@ -333,12 +334,6 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
 _ROUNDING: Final = 1e-9
 _ON_LAYER: Final = "youngs_modulus_on_layer"
 
-_ENDS: Final = (
-    *("", "_std", "_ci95_low", "_ci95_high"),
-    *(f"_{part}_std" for part in ("noise", "repeatability", "session", "edge", "other", "model")),
-)
-
-
 # Logarithm of a factor by which nothing is known any more; larger ones overflow.
 _MOST_UNCERTAIN: Final = 100.0
 
@@ -365,9 +360,9 @@ def _mean(
     difference between sessions by the root of their number; contacts share the rest. The 95 % interval has
     Student's t for noise, repeatability and sessions where these are known.
     """
-    count = values.size
+    count, ends = values.size, ("", *AT_LOAD, "_model_std")
     if not count:
-        return dict.fromkeys((f"{name}{end}" for end in _ENDS), math.nan)
+        return dict.fromkeys((f"{name}{end}" for end in ends), math.nan)
     relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
     apart = sum(each**2 for each in relative.values())
     whole = (np.nan_to_num(total) / values) ** 2
@@ -390,7 +385,7 @@ def _mean(
     repeats = math.nan if math.isinf(freedom) else repeat
     factors = (1.0, std, math.exp(-half), math.exp(half), noise, repeats, session, edge, other, model)
     mean = float(np.exp(np.mean(np.log(values))))
-    return {f"{name}{end}": mean * factor for end, factor in zip(_ENDS, factors, strict=True)}
+    return {f"{name}{end}": mean * factor for end, factor in zip(ends, factors, strict=True)}
 
 
 def _quantile(freedom: float) -> float:

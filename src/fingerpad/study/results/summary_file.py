@@ -3,10 +3,10 @@
 import csv
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Final, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, Self, TypeAlias, TypeVar, cast
 
 from pydantic import (
     AfterValidator,
@@ -16,6 +16,7 @@ from pydantic import (
     Field,
     PlainSerializer,
     ValidationError,
+    create_model,
     model_validator,
 )
 
@@ -85,6 +86,64 @@ class Record(BaseModel):
                 value = next(found, None if any(of is None for of in sources) else _MISSING)
                 given |= {} if value is _MISSING else {name: value}
         return cls.model_validate(given)
+
+
+class Family(NamedTuple):
+    """Ends of the keys that tell more of a quantity: after its name, and after its name without the unit."""
+
+    ends: tuple[str, ...] = ("_std",)
+    bare: tuple[str, ...] = ()
+    optional: bool = False  # whether they are left out where the quantity is not known
+
+
+# Of geometric means over the contacts under one load: the uncertainty and its parts.
+AT_LOAD: Final = (
+    *("_std", "_ci95_low", "_ci95_high"),
+    *(f"_{part}_std" for part in ("noise", "repeatability", "session", "edge", "other")),
+)
+_POOLED: Final = (
+    *("_count", "_effective_count", "_largest_weight", "_birge_ratio"),
+    *("_same_for_all_mm", "_same_for_all_mm_std", "_between_std_mm"),
+    *("_scatter_within_loads_mm", "_scatter_between_loads_mm", "_variance_shares"),
+)
+WithStd = Annotated[Number, Family()]
+Fitted = Annotated[Number, Family(("_std", "_ci95"))]
+OnLayer = Annotated[Number, Family(bare=("_variance_shares",))]
+PooledOnLayer = Annotated[Number, Family(bare=("_variance_shares", "_birge_ratio", "_count"))]
+Pooled = Annotated[Number, Family(("_std", "_fixed_geometry_std", "_ci95"), _POOLED, optional=True)]
+AtLoad = Annotated[Number, Family(AT_LOAD)]
+ModelledAtLoad = Annotated[Number, Family((*AT_LOAD, "_model_std"))]
+# What keys hold that are no numbers, and what a record has in place of one that is left out.
+_HOLDS: Final[Mapping[str, tuple[Any, Any]]] = {
+    "_ci95": (Interval | None, None),
+    "_variance_shares": (Shares | None, None),
+    "_count": (int, ...),
+}
+
+
+class Quantities(Record):
+    """A record to which `with_families` adds keys."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+
+RecordType = TypeVar("RecordType", bound=Quantities)
+
+
+def with_families(record: type[RecordType]) -> type[RecordType]:
+    """Return a record in which each quantity is followed by the keys of its family."""
+    keys: dict[str, Any] = {}
+    for name in record.__annotations__:
+        field, bare = record.model_fields[name], _UNIT.sub("", name)
+        keys[name] = field.annotation, field
+        for family in (one for one in field.metadata if isinstance(one, Family)):
+            for of, end in (*((name, end) for end in family.ends), *((bare, end) for end in family.bare)):
+                holds, default = _HOLDS.get(end, (Number, math.nan))
+                keys[of + end] = holds, default if family.optional else ...
+    keys |= {"__base__": record.__bases__, "__module__": record.__module__, "__doc__": record.__doc__}
+    return cast(type[RecordType], create_model(record.__name__, **keys))
 
 
 class Placed(Record):
@@ -175,50 +234,28 @@ class FingerRecord(Record):
         return self
 
 
-class HighestLoadOnLayer(Record):
+@with_families
+class HighestLoadOnLayer(Quantities):
     """The contact at the highest load in the range of the laws, by Hertz theory and on the layer."""
 
     observation: str = Field(description="The contact.")
     load_N: Number = Field(description="Its load, N.")
     layer_flag: Text = Field(description="What takes it out of the range of the laws.")
-    youngs_modulus_on_layer_kpa: Number = Field(description="Young's modulus on the layer, kPa.")
-    youngs_modulus_on_layer_kpa_std: Number
-    youngs_modulus_on_layer_variance_shares: Shares
-    indentation_on_layer_mm: Number = Field(description="Indentation on the layer, mm.")
-    indentation_on_layer_mm_std: Number
-    indentation_on_layer_variance_shares: Shares
-    loading_radius_on_layer_mm: Number = Field(description="A/(πξ) on the layer, mm.")
-    loading_radius_on_layer_mm_std: Number
-    loading_radius_on_layer_variance_shares: Shares
-    youngs_modulus_kpa: Number = Field(description="Young's modulus by Hertz theory, kPa.")
-    youngs_modulus_kpa_std: Number
-    youngs_modulus_variance_shares: Shares
-    indentation_mm: Number = Field(description="Indentation by Hertz theory, mm.")
-    indentation_mm_std: Number
-    indentation_variance_shares: Shares
-    geometric_radius_from_compliance_mm: Number = Field(description="A/(πξ) by Hertz theory, mm.")
-    geometric_radius_from_compliance_mm_std: Number
-    geometric_radius_from_compliance_variance_shares: Shares
+    youngs_modulus_on_layer_kpa: OnLayer = Field(description="Young's modulus on the layer, kPa.")
+    indentation_on_layer_mm: OnLayer = Field(description="Indentation on the layer, mm.")
+    loading_radius_on_layer_mm: OnLayer = Field(description="A/(πξ) on the layer, mm.")
+    youngs_modulus_kpa: OnLayer = Field(description="Young's modulus by Hertz theory, kPa.")
+    indentation_mm: OnLayer = Field(description="Indentation by Hertz theory, mm.")
+    geometric_radius_from_compliance_mm: OnLayer = Field(description="A/(πξ) by Hertz theory, mm.")
 
 
-class PooledOnLayerRecord(Record):
+@with_families
+class PooledOnLayerRecord(Quantities):
     """All contacts that count and are in the range of the laws, pooled."""
 
-    youngs_modulus_kpa: Number = Field(description="Young's modulus by Hertz theory, kPa.")
-    youngs_modulus_kpa_std: Number
-    youngs_modulus_variance_shares: Shares | None
-    youngs_modulus_birge_ratio: Number
-    youngs_modulus_count: int
-    youngs_modulus_on_layer_kpa: Number = Field(description="Young's modulus on the layer, kPa.")
-    youngs_modulus_on_layer_kpa_std: Number
-    youngs_modulus_on_layer_variance_shares: Shares | None
-    youngs_modulus_on_layer_birge_ratio: Number
-    youngs_modulus_on_layer_count: int
-    loading_radius_on_layer_mm: Number = Field(description="A/(πξ) on the layer, mm.")
-    loading_radius_on_layer_mm_std: Number
-    loading_radius_on_layer_variance_shares: Shares | None
-    loading_radius_on_layer_birge_ratio: Number
-    loading_radius_on_layer_count: int
+    youngs_modulus_kpa: PooledOnLayer = Field(description="Young's modulus by Hertz theory, kPa.")
+    youngs_modulus_on_layer_kpa: PooledOnLayer = Field(description="Young's modulus on the layer, kPa.")
+    loading_radius_on_layer_mm: PooledOnLayer = Field(description="A/(πξ) on the layer, mm.")
 
 
 class OnLayerRecord(Record):
@@ -308,53 +345,23 @@ class ValidityRecord(Record):
     on_layer: LayerValidityRecord | None = Field(description="The same of the layer; null without one.")
 
 
-class PlacementRecord(Placed):
+@with_families
+class PlacementRecord(Quantities, Placed):
     """A finger at one placement; without a sound contact keys of pooled values are left out."""
 
     count: int = Field(description="Number of contacts, without frames.")
     frames: int = Field(description="Number of frames of sequences.")
-    mean_curvature_radius_mm: Number = Field(description="Radius of the undeformed pad, 1/H, mm.")
-    mean_curvature_radius_mm_std: Number
-    geometric_mean_radius_mm: Number = Field(description="√(R′R″) of the undeformed pad, mm.")
-    geometric_mean_radius_mm_std: Number
-    radius_from_indentation_mm: Number = Field(description="Corrected radius, pooled, mm.")
-    radius_from_indentation_mm_std: Number = math.nan
-    radius_from_indentation_mm_fixed_geometry_std: Number = math.nan
-    radius_from_indentation_mm_ci95: Interval | None = None
-    radius_from_indentation_count: int
-    radius_from_indentation_effective_count: Number = math.nan
-    radius_from_indentation_largest_weight: Number = math.nan
-    radius_from_indentation_birge_ratio: Number = math.nan
-    radius_from_indentation_same_for_all_mm: Number = math.nan
-    radius_from_indentation_same_for_all_mm_std: Number = math.nan
-    radius_from_indentation_between_std_mm: Number = math.nan
-    radius_from_indentation_scatter_within_loads_mm: Number = math.nan
-    radius_from_indentation_scatter_between_loads_mm: Number = math.nan
-    radius_from_indentation_variance_shares: Shares | None = None
-    radius_from_compliance_mm: Number = Field(description="Radius to compare with R_g, pooled, mm.")
-    radius_from_compliance_mm_std: Number = math.nan
-    radius_from_compliance_mm_fixed_geometry_std: Number = math.nan
-    radius_from_compliance_mm_ci95: Interval | None = None
-    radius_from_compliance_count: int
-    radius_from_compliance_effective_count: Number = math.nan
-    radius_from_compliance_largest_weight: Number = math.nan
-    radius_from_compliance_birge_ratio: Number = math.nan
-    radius_from_compliance_same_for_all_mm: Number = math.nan
-    radius_from_compliance_same_for_all_mm_std: Number = math.nan
-    radius_from_compliance_between_std_mm: Number = math.nan
-    radius_from_compliance_scatter_within_loads_mm: Number = math.nan
-    radius_from_compliance_scatter_between_loads_mm: Number = math.nan
-    radius_from_compliance_variance_shares: Shares | None = None
+    mean_curvature_radius_mm: WithStd = Field(description="Radius of the undeformed pad, 1/H, mm.")
+    geometric_mean_radius_mm: WithStd = Field(description="√(R′R″) of the undeformed pad, mm.")
+    radius_from_indentation_mm: Pooled = Field(description="Corrected radius, pooled, mm.")
+    radius_from_compliance_mm: Pooled = Field(description="Radius to compare with R_g, pooled, mm.")
     on_layer: OnLayerRecord | None = Field(description="On its layer of tissue; null without a thickness.")
-    loading_radius_mm: Number = Field(description="R_g from its loading curves, mm.")
-    loading_radius_mm_std: Number
+    loading_radius_mm: WithStd = Field(description="R_g from its loading curves, mm.")
     highest_load_N: Number = Field(description="Highest load of its contacts, or frames, that count, N.")
-    highest_area_mm2: Number = Field(
+    highest_area_mm2: WithStd = Field(
         description="Area of one contact there, mm², uncertain by its own image; `by_load` has means."
     )
-    highest_area_mm2_std: Number
-    area_exponent: Number = Field(description="n of A ∝ Wⁿ over its contacts.")
-    area_exponent_std: Number
+    area_exponent: WithStd = Field(description="n of A ∝ Wⁿ over its contacts.")
     area_exponent_ci95: Interval | None = None
     uncertainty_check: UncertaintyCheckRecord | None = Field(description="Of one contact.")
     radius_from_indentation_mm_model_std: Number
@@ -440,41 +447,17 @@ class OperatorAgreementRecord(Record):
     ridge_area_mm2: AgreementRecord | None = Field(default=None, description="Of ridge areas.")
 
 
-class AtLoadRecord(Placed):
+@with_families
+class AtLoadRecord(Quantities, Placed):
     """A finger at one placement under one load, as in the table of loads."""
 
     load_N: Number = Field(description="Mean of the loads, N.")
     contacts: int = Field(description="Number of contacts.")
     sessions: int = Field(description="Number of sessions.")
-    contact_area_mm2: Number = Field(description="Geometric mean of the contact areas, mm².")
-    contact_area_mm2_std: Number
-    contact_area_mm2_ci95_low: Number
-    contact_area_mm2_ci95_high: Number
-    contact_area_mm2_noise_std: Number
-    contact_area_mm2_repeatability_std: Number
-    contact_area_mm2_session_std: Number
-    contact_area_mm2_edge_std: Number
-    contact_area_mm2_other_std: Number
-    youngs_modulus_kpa: Number = Field(description="Geometric mean of E by Hertz theory, kPa.")
-    youngs_modulus_kpa_std: Number
-    youngs_modulus_kpa_ci95_low: Number
-    youngs_modulus_kpa_ci95_high: Number
-    youngs_modulus_kpa_noise_std: Number
-    youngs_modulus_kpa_repeatability_std: Number
-    youngs_modulus_kpa_session_std: Number
-    youngs_modulus_kpa_edge_std: Number
-    youngs_modulus_kpa_other_std: Number
-    youngs_modulus_kpa_model_std: Number
+    contact_area_mm2: AtLoad = Field(description="Geometric mean of the contact areas, mm².")
+    youngs_modulus_kpa: ModelledAtLoad = Field(description="Geometric mean of E by Hertz theory, kPa.")
     youngs_modulus_kpa_verdict: str
-    youngs_modulus_on_layer_kpa: Number = Field(description="Geometric mean of E on the layer, kPa.")
-    youngs_modulus_on_layer_kpa_std: Number
-    youngs_modulus_on_layer_kpa_ci95_low: Number
-    youngs_modulus_on_layer_kpa_ci95_high: Number
-    youngs_modulus_on_layer_kpa_noise_std: Number
-    youngs_modulus_on_layer_kpa_repeatability_std: Number
-    youngs_modulus_on_layer_kpa_session_std: Number
-    youngs_modulus_on_layer_kpa_edge_std: Number
-    youngs_modulus_on_layer_kpa_other_std: Number
+    youngs_modulus_on_layer_kpa: AtLoad = Field(description="Geometric mean of E on the layer, kPa.")
     youngs_modulus_on_layer_kpa_verdict: str
 
 
@@ -519,33 +502,18 @@ class ScaleRecord(Record):
     flags: list[str] = Field(default=[], description="Doubts.")
 
 
-class CurveFitRecord(Record):
+@with_families
+class CurveFitRecord(Quantities):
     """What was fitted to a loading curve."""
 
-    loading_radius_mm: Number = Field(description="R_g of A = π R_g ξ, mm.")
-    loading_radius_mm_std: Number
-    loading_radius_mm_ci95: Interval | None
-    reduced_modulus_kpa: Number = Field(description="E* at `modulus_load_N`, kPa.")
-    reduced_modulus_kpa_std: Number
-    reduced_modulus_kpa_ci95: Interval | None
-    youngs_modulus_kpa: Number = Field(description="E at `modulus_load_N`, kPa.")
-    youngs_modulus_kpa_std: Number
-    youngs_modulus_kpa_ci95: Interval | None
-    contact_offset_mm: Number = Field(description="Displacement at first contact, mm.")
-    contact_offset_mm_std: Number
-    contact_offset_mm_ci95: Interval | None
-    initial_modulus_kpa: Number = Field(description="E_0g of E_g = E_0g + β W, kPa.")
-    initial_modulus_kpa_std: Number
-    initial_modulus_kpa_ci95: Interval | None
-    load_coefficient_kpa_per_N: Number = Field(description="β, kPa/N.")
-    load_coefficient_kpa_per_N_std: Number
-    load_coefficient_kpa_per_N_ci95: Interval | None
-    load_exponent: Number = Field(description="m of W ∝ ξᵐ.")
-    load_exponent_std: Number
-    load_exponent_ci95: Interval | None
-    area_exponent: Number = Field(description="n of A ∝ Wⁿ.")
-    area_exponent_std: Number
-    area_exponent_ci95: Interval | None
+    loading_radius_mm: Fitted = Field(description="R_g of A = π R_g ξ, mm.")
+    reduced_modulus_kpa: Fitted = Field(description="E* at `modulus_load_N`, kPa.")
+    youngs_modulus_kpa: Fitted = Field(description="E at `modulus_load_N`, kPa.")
+    contact_offset_mm: Fitted = Field(description="Displacement at first contact, mm.")
+    initial_modulus_kpa: Fitted = Field(description="E_0g of E_g = E_0g + β W, kPa.")
+    load_coefficient_kpa_per_N: Fitted = Field(description="β, kPa/N.")
+    load_exponent: Fitted = Field(description="m of W ∝ ξᵐ.")
+    area_exponent: Fitted = Field(description="n of A ∝ Wⁿ.")
     reasons: dict[str, str] = Field(description="Why quantities are not known.")
     modulus_load_N: Number = Field(description="Largest load fitted, N.")
     region_N: Interval = Field(description="Loads between which E_g was taken to increase, N.")
@@ -562,21 +530,14 @@ class CurveFitRecord(Record):
     flags: list[str] = Field(description="Doubts.")
 
 
-class ThicknessFitRecord(Record):
+@with_families
+class ThicknessFitRecord(Quantities):
     """The layer of tissue over bone that explains a loading curve."""
 
-    thickness_mm: Number = Field(description="Effective thickness of the tissue, mm.")
-    thickness_mm_std: Number
-    thickness_mm_ci95: Interval | None
-    youngs_modulus_kpa: Number = Field(description="E of the tissue, kPa.")
-    youngs_modulus_kpa_std: Number
-    youngs_modulus_kpa_ci95: Interval | None
-    contact_offset_mm: Number = Field(description="Displacement at first contact, mm.")
-    contact_offset_mm_std: Number
-    contact_offset_mm_ci95: Interval | None
-    radius_mm: Number = Field(description="1/H of the pad, improved by the curve, mm.")
-    radius_mm_std: Number
-    radius_mm_ci95: Interval | None
+    thickness_mm: Fitted = Field(description="Effective thickness of the tissue, mm.")
+    youngs_modulus_kpa: Fitted = Field(description="E of the tissue, kPa.")
+    contact_offset_mm: Fitted = Field(description="Displacement at first contact, mm.")
+    radius_mm: Fitted = Field(description="1/H of the pad, improved by the curve, mm.")
     reasons: dict[str, str] = Field(description="Why quantities are not known.")
     contact_over_thickness: Number = Field(description="a/t at the largest area.")
     correlation: Number = Field(description="Of the errors of 1/t and E.")
@@ -590,23 +551,17 @@ class ThicknessFitRecord(Record):
     flags: list[str] = Field(description="Doubts.")
 
 
-class CurveOnLayerRecord(Record):
+@with_families
+class CurveOnLayerRecord(Quantities):
     """What the highest load of a loading curve and its indentation tell of the pad."""
 
     load_N: Number = Field(description="Highest load fitted, N.")
-    indentation_mm: Number = Field(description="Its indentation from the place of contact by Hertz, mm.")
-    indentation_mm_std: Number
+    indentation_mm: WithStd = Field(description="Its indentation from the place of contact by Hertz, mm.")
     contact_shift_mm: Number = Field(description="What to add from the place of contact on the layer, mm.")
     layer_flag: Text = Field(description="What takes it out of the range of the laws.")
-    youngs_modulus_from_indentation_kpa: Number = Field(description="E by Hertz theory, kPa.")
-    youngs_modulus_from_indentation_kpa_std: Number
-    youngs_modulus_from_indentation_variance_shares: Shares
-    youngs_modulus_from_indentation_on_layer_kpa: Number = Field(description="E on the layer, kPa.")
-    youngs_modulus_from_indentation_on_layer_kpa_std: Number
-    youngs_modulus_from_indentation_on_layer_variance_shares: Shares
-    loading_radius_on_layer_mm: Number = Field(description="A/(πξ) on the layer, mm.")
-    loading_radius_on_layer_mm_std: Number
-    loading_radius_on_layer_variance_shares: Shares
+    youngs_modulus_from_indentation_kpa: OnLayer = Field(description="E by Hertz theory, kPa.")
+    youngs_modulus_from_indentation_on_layer_kpa: OnLayer = Field(description="E on the layer, kPa.")
+    loading_radius_on_layer_mm: OnLayer = Field(description="A/(πξ) on the layer, mm.")
 
 
 class CurveRecord(Record):
