@@ -22,8 +22,8 @@ from fingerpad.loading.curve import unread_curve_columns
 from fingerpad.study.corrections.log import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
+    Correctable,
     CorrectionLog,
-    images_of,
     on_another_image,
 )
 from fingerpad.study.engine.cluster import cluster_executor
@@ -244,10 +244,10 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     """Yield what is odd about people's corrections: of other pictures than are there now, or of none."""
     context = measured.items.context
     frames = corrected_frames(measured.sequences, context)
-    images = images_of(context.active_corrections, context.study)
+    known = Correctable(context.study)
 
     def digest(item: str) -> str:
-        image = images[item]
+        image = known.image(item)
         return frames.get(item, "") if image is None else context.digest(context.folder / image)
 
     yield from map(_REPLACED.format, on_another_image(context.active_corrections, digest))

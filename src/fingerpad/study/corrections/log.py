@@ -8,7 +8,7 @@ changes. Automatic measurements are neither kept here nor overwritten.
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -206,9 +206,36 @@ def _dump(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")
 
 
+_Corrected: TypeAlias = Observation | ContactSequence | Photograph
+
+
+class Correctable:
+    """What of a study can be corrected."""
+
+    def __init__(self, study: Study) -> None:
+        photographs = ((each.name, one) for each in study.fingers for one in each.photographs)
+        self._tables: dict[str, _Corrected] = {
+            **{f"{finger}/{one.file}": one for finger, one in photographs if one.file},
+            **{one.name: one for one in study.observations},
+            **{phases_item(one.name): one for one in study.sequences},
+        }
+
+    def table(self, item: str) -> _Corrected | None:
+        """Return the table of an item, of a frame or phases their sequence's; None where there is none."""
+        kind, name, part = parts_of_item(item)
+        return self._tables.get(phases_item(name) if kind == "frame" and _is_frame(part) else item)
+
+    def image(self, item: str) -> str | None:
+        """Return the file of an item's picture, or of the force whose phases it is; None of a frame."""
+        table = self.table(item)
+        if isinstance(table, ContactSequence):
+            return table.force if item == phases_item(table.name) else None
+        return None if table is None else table.file
+
+
 def kind_of(item: str, study: Study) -> ItemKind:
     """Return what an item is; `StoreError` where the manifest names no such item."""
-    if _table_of(item, study) is None:
+    if Correctable(study).table(item) is None:
         raise StoreError(
             f"{item[:80]!r} is nothing that can be corrected: name an observation, a frame as SEQUENCE#12, "
             "the phases of a sequence as SEQUENCE#phases, or a photograph as FINGER/IMAGE, as the manifest "
@@ -217,53 +244,18 @@ def kind_of(item: str, study: Study) -> ItemKind:
     return parts_of_item(item)[0]
 
 
-_Corrected: TypeAlias = Observation | ContactSequence | Photograph
-
-
-def _tables_of(items: Iterable[str], study: Study) -> dict[str, _Corrected | None]:
-    """Return the table of each item in the manifest, of a frame or phases their sequence's; None without."""
-    known: dict[str, _Corrected] = {
-        **{f"{each.name}/{one.file}": one for each in study.fingers for one in each.photographs if one.file},
-        **{one.name: one for one in study.observations},
-        **{phases_item(one.name): one for one in study.sequences},
-    }
-    found = {}
-    for item in items:
-        kind, name, part = parts_of_item(item)
-        of_frame = kind == "frame" and _is_frame(part)
-        found[item] = known.get(phases_item(name) if of_frame else item)
-    return found
-
-
-def _table_of(item: str, study: Study) -> _Corrected | None:
-    return _tables_of([item], study)[item]
-
-
-def images_of(items: Iterable[str], study: Study) -> dict[str, str | None]:
-    """Return the file of each item's picture, or of the force whose phases it is; None of a frame."""
-    tables = _tables_of(items, study).items()
-    return {item: _image_of(item, table) for item, table in tables}
-
-
-def _image_of(item: str, table: _Corrected | None) -> str | None:
-    if isinstance(table, ContactSequence):
-        return table.force if item == phases_item(table.name) else None
-    return None if table is None else table.file
-
-
 def picture_digest(item: str, study: Study, folder: Path, digest: Callable[[str], str] | None = None) -> str:
-    """Return the SHA-256 of an item's file as of `images_of`, or of a frame's pixels; empty without any.
+    """Return the SHA-256 of an item's file, or of a frame's pixels; empty without any.
 
     `digest` gives that of a file of the study by its name, which is read otherwise.
     """
-    table, (*_, number) = _table_of(item, study), parts_of_item(item)
-    image = _image_of(item, table)
-    if image is not None:
+    known = Correctable(study)
+    if (image := known.image(item)) is not None:
         return digest(image) if digest else digest_of(folder / image)
-    if not isinstance(table, ContactSequence):
+    if not isinstance(sequence := known.table(item), ContactSequence):
         return ""
     try:
-        return sequence_frames(table, folder).at(int(number)).digest
+        return sequence_frames(sequence, folder).at(int(parts_of_item(item)[2])).digest
     except ImageError:
         return ""
 
@@ -304,7 +296,7 @@ SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px",
 
 def similar_images(item: str, study: Study) -> list[str]:
     """Return the other contact images of the same finger with the same scale, as of one device."""
-    one = _table_of(item, study)
+    one = Correctable(study).table(item)
     if not isinstance(one, Observation) or one.file is None:
         return []
     return [
@@ -432,7 +424,8 @@ class CorrectionLog:
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""
         self.refresh()
-        return [item for item, table in _tables_of(self._histories, study).items() if table is None]
+        known = Correctable(study)
+        return [item for item in self._histories if known.table(item) is None]
 
     def append(
         self,
@@ -449,7 +442,7 @@ class CorrectionLog:
         kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()
         checked = checked_change(item, content, item)
-        table = _table_of(item, study)
+        table = Correctable(study).table(item)
         if checked.edits and isinstance(table, Observation) and table.file is None:
             raise StoreError(
                 f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or "

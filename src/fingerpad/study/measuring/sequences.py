@@ -206,8 +206,7 @@ class OpenedSequence:
         if found.name is None:
             # No name holds a colon: the frames of a sequence share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
-        header = header_task(sequence, context)
-        known = fields_from(image.Frames, _good(context, header.name, header.key)["header"])
+        known = fields_from(image.Frames, _good(context, header_task(sequence, context))["header"])
         self.sequence, self.context = sequence, context
         self.frames = image.Frames(path=context.folder / sequence.file, **known)  # of which none is read yet
         # By frame, those between key frames included.
@@ -290,28 +289,23 @@ class OpenedSequence:
         return first_contact(self.force.time, self.force.load, self.force.displacement)
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
+        pictures = self.context.key(self.sequence, leave_out=TIMING)
+        start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
+        edits = {index: one.edits for index, one in self.images.corrections.items() if start <= index < stop}
         return Task(
-            name=self._name(stage, piece),
+            # No name of the manifest holds a blank.
+            name=f"{self.sequence.name} {stage}" + ("" if piece is None else f" {piece[0]}-{piece[1]}"),
             item=self.sequence.name,
             file=self.sequence.file,
-            key=self._key(stage, piece),
+            key=cache_key(pictures, stage, piece, self.frames.count, edits),
             work=work,
             inputs=self.context.inputs_of(self.sequence),
             reads=1 if piece is None else piece[1] - piece[0],
         )
 
     def _stored(self, stage: str, piece: tuple[int, int] | None = None) -> Record:
-        return _good(self.context, self._name(stage, piece), self._key(stage, piece))
-
-    def _name(self, stage: str, piece: tuple[int, int] | None) -> str:
-        # No name of the manifest holds a blank.
-        return f"{self.sequence.name} {stage}" + ("" if piece is None else f" {piece[0]}-{piece[1]}")
-
-    def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
-        pictures = self.context.key(self.sequence, leave_out=TIMING)
-        start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
-        edits = {index: one.edits for index, one in self.images.corrections.items() if start <= index < stop}
-        return cache_key(pictures, stage, piece, self.frames.count, edits)
+        performed = self._task(stage, partial(_failed, ""), piece)  # whatever the work was
+        return _good(self.context, performed)
 
     def measurements(self, flags: tuple[str, ...]) -> Iterator[Measurement]:
         """Yield what was measured, frame by frame, from what the store holds, with flags of all frames.
@@ -481,9 +475,9 @@ def _all_stored(name: str, context: RunContext) -> Iterator[None]:
         raise DamagedResultError(context.store.path, name) from None
 
 
-def _good(context: RunContext, task: str, key: str) -> Record:
-    """Return the record of a task; its reason is raised, `ChangedError` if there is none with this key."""
-    record = context.record(task, key)
+def _good(context: RunContext, task: Task) -> Record:
+    """Return the record of a task; its reason is raised, `ChangedError` if there is none with its key."""
+    record = context.record(task.name, task.key)
     if record is None:
         raise ChangedError
     if record.get("reason") is not None:
