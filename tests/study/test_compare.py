@@ -250,6 +250,8 @@ def test_tables_hold_all_values_and_means(runs, tmp_path):
     assert [mean["people"] for mean in record["means"]] == [len(mean.people) for mean in found.means]
     # Three semi-axes, and two radii, the area and E at two angles.
     assert sum(mean["synthetic"] for mean in record["means"]) == 11
+    compare.write_comparison(replace(found, means=()), tmp_path)
+    assert not (tmp_path / "compare_means.csv").exists()  # those of the comparison before
 
 
 def test_the_page_stands_alone_and_labels_what_is_synthetic(runs, tmp_path):

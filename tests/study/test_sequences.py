@@ -36,7 +36,7 @@ from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
-from fingerpad.study.status import study_status
+from fingerpad.study.status import study_status, verify_study
 
 RATE = 20
 # Loading to frame 11, hold to 15, unloading; empty at either end.
@@ -268,6 +268,13 @@ def test_a_stored_sequence_whose_force_is_refused_now_costs_itself_only(study_di
     monkeypatch.setattr("fingerpad.image.read_force_signal", refuse)
     given, lost = records(run(study_dir, of_frames(), studies.contact(load=1, axis="")).rows)
     assert (given["status"], lost["status"], lost["reason"]) == ("measured", "failed", "force.csv: refused")
+
+
+def test_frames_that_changed_since_the_run_are_changed_inputs(study_dir):
+    studies.write_study(study_dir, studies.finger(), of_frames(), uncertainty=UNCERTAINTY)
+    assert verify_study(study_dir, study_dir / "out").changed_inputs == ()
+    (study_dir / "frames" / "f9.png").write_bytes((study_dir / "frames" / "f8.png").read_bytes())
+    assert verify_study(study_dir, study_dir / "out").changed_inputs == ("frames",)
 
 
 @pytest.mark.parametrize(("least", "noted"), [(5.0, True), (0.5, False), (None, False)])

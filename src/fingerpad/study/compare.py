@@ -592,6 +592,7 @@ def write_comparison(comparison: Comparison, out: Path) -> None:
             ("compare_validity", comparison.verdicts),
         ):
             records = [row.as_record() for row in rows]
+            (out / f"{name}.csv").unlink(missing_ok=True)  # of an earlier comparison
             if records:
                 write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])
         (out / "compare.json").write_text(dumps(comparison.as_record(), indent=1) + "\n", encoding="utf-8")

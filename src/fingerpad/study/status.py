@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from fingerpad._columns import ColumnsError, columns_in_toml, named_columns, require_columns
-from fingerpad._files import digest_of
+from fingerpad._files import content_digest, digest_of
 from fingerpad._words import counted
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FACE_AXES, SEMI_AXES
@@ -186,7 +186,7 @@ def _changed_inputs(folder: Path, out: Path) -> Iterator[str]:
     with suppress(OSError, FingerpadError):
         for name, digest in SummaryFile.read(out).provenance.inputs_sha256.items():
             path = folder / name
-            if path.is_file() and digest_of(path) != digest:
+            if path.exists() and content_digest(path) != digest:
                 yield name
 
 
