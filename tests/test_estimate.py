@@ -19,6 +19,19 @@ def test_an_error_is_added_and_a_width_stretched_on_either_side() -> None:
     assert (twice.std, twice.interval) == (6.0, (4.0, 30.0))
 
 
+def test_arrays_are_divided_and_widened_one_by_one() -> None:
+    several = propagate(lambda x: {"double": 2 * x}, Inputs.of(x=([3.0, 4.0], 0.1)))["double"]
+    divisor = Estimate.symmetric(2.0, 0.2)
+    ratio, wider = several.over(divisor), several.with_error(0.4)
+    for index, value in enumerate((6.0, 8.0)):
+        one = Estimate.symmetric(value, 0.2)
+        for found, expected in ((ratio, one.over(divisor)), (wider, one.with_error(0.4))):
+            assert (found.value[index], found.std[index]) == pytest.approx((expected.value, expected.std))
+            ends = found.lower[index], found.upper[index]
+            assert ends == pytest.approx(expected.interval, rel=1e-4)
+    assert several.over(several).value.tolist() == [1.0, 1.0]
+
+
 def test_a_quantity_that_is_not_known_stays_so_with_its_reason() -> None:
     unknown = Estimate.unknown("no area was recorded")
     exact = Estimate.symmetric(2.0, 0.0)

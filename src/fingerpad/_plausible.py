@@ -16,6 +16,8 @@ _MOST_SEMI_AXIS_MM: Final = 15.0
 _MOST_FLATTENED: Final = 1.2  # palmar over another semi-axis; below 1 on a finger, about 1 on a sphere
 _LEAST_LONG: Final = 0.8  # distal over radial–ulnar; above 1 on a finger
 PLAUSIBLE_MODULUS_KPA: Final = (1.0, 5000.0)  # Young's modulus
+# Of tissue over bone at a fingertip, with room on both sides: outside, the unit is wrong.
+PLAUSIBLE_THICKNESS_MM: Final = (0.5, 50.0)
 
 
 def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
@@ -36,6 +38,13 @@ def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
         more = f"radial_ulnar {radial_ulnar:g} mm is more than distal {distal:g} mm"
         return f"{more}, as of no finger: are the two swapped?"
     return ""
+
+
+def thickness_doubt(thickness_mm: float) -> str:
+    """Return what a thickness of tissue looks like, empty where it can be a fingertip's."""
+    if PLAUSIBLE_THICKNESS_MM[0] <= thickness_mm <= PLAUSIBLE_THICKNESS_MM[1]:
+        return ""
+    return f"{thickness_mm:g} mm of tissue over bone, as of no fingertip: is the thickness in another unit?"
 
 
 def in_radians(angle_deg: float) -> bool:

@@ -118,9 +118,9 @@ class Estimate(Displayed):
         >>> print(Estimate.symmetric(20.0, 3.0).with_error(4.0))
         20.0 ± 5.0
         """
-        lower = self.value - math.hypot(self.value - self.lower, 1.96 * std)
-        upper = self.value + math.hypot(self.upper - self.value, 1.96 * std)
-        return replace(self, std=math.hypot(self.std, std), interval=(lower, upper))
+        lower = self.value - np.hypot(self.value - self.lower, 1.96 * std)
+        upper = self.value + np.hypot(self.upper - self.value, 1.96 * std)
+        return replace(self, std=np.hypot(self.std, std), interval=(lower, upper))
 
     def stretched(self, factor: float) -> Self:
         """Return the same value with an uncertainty so many times as large.
@@ -177,7 +177,8 @@ class Estimate(Displayed):
         value = self.value / divisor.value
 
         def apart(own: float, other: float) -> float:
-            return math.hypot(own, value * other) / divisor.value
+            quotient: float = np.hypot(own, value * other) / divisor.value
+            return quotient
 
         lower = value - apart(self.value - self.lower, divisor.upper - divisor.value)
         upper = value + apart(self.upper - self.value, divisor.value - divisor.lower)

@@ -1,6 +1,7 @@
 """The fast laws: exact limits, contacts solved otherwise, derivatives, moduli, and where they end."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -226,7 +227,7 @@ def pressed(placement, given: dict[str, float]) -> Contact:
     ("placement", "given", "flag"),
     [
         (ROUND, {"load": 1.0}, ""),
-        (ROUND, {"load": 0.0}, "no_contact"),
+        (ROUND, {"load": -1.0}, "no_contact"),
         (ROUND, {"area": math.nan}, "no_contact"),
         (ROUND, {"area": math.inf}, "no_contact"),
         (ROUND, {"area": 3.02**2 * math.pi, "thickness": 1.0}, "layer_too_thin"),
@@ -251,6 +252,25 @@ def test_beyond_their_range_they_say_why(placement, given: dict[str, float], fla
     assert found.flags == flag
     for name in (*GIVEN, "semi_major", "peak_pressure"):
         assert np.isnan(getattr(found, name)) == (flag != "")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("thickness", [math.inf, 5.0])
+@pytest.mark.parametrize("of", GIVEN)
+@pytest.mark.parametrize("law", [hertz_contact, fast_contact])
+def test_pad_that_is_not_pressed_has_no_contact(law, of: str, thickness: float) -> None:
+    found = law(TURNED, Tissue(0.1, 0.45, thickness), **{of: [0.0, 1.0]})
+    assert (found.flags[0], found.flags[1] == "no_contact") == ("no_contact", False)
+    for name in (*GIVEN, "semi_major", "semi_minor"):
+        assert getattr(found, name)[0] == 0
+        assert getattr(found, name)[1] > 0
+    assert np.isnan(found.peak_pressure[0])
+    assert np.isnan(found.aspect_ratio[0])
+
+
+def test_nothing_is_known_of_a_pad_of_unknown_radius() -> None:
+    gap = replace(ROUND.gap, first_radius=np.array(math.nan))
+    assert math.isnan(press(gap, load=0.0, reduced_modulus=0.1).area)
 
 
 @pytest.mark.parametrize("given", [{"load": 0.01}, {"indentation": 0.1}])

@@ -118,6 +118,7 @@ def test_thickness_is_flagged_where_the_layer_is_stiffer(poisson_ratio: float) -
     found = hertz_contact(ball, layer, area=np.pi * 4.0**2)
     error = found.indentation / fast_contact(ball, layer, area=found.area).indentation - 1
     assert found.flags.tolist() == [*3 * ["thickness_ignored"], "", ""]
+    assert found.load.shape == found.semi_major.shape == thickness.shape
     assert_array_equal(found.flags != "", error > 0.02)
     deep = hertz_contact(ball, Tissue(0.05, poisson_ratio), area=found.area)
     for name in ("load", "indentation", "semi_major", "peak_pressure"):
@@ -129,6 +130,7 @@ def test_contact_wider_than_the_pad_is_flagged_whatever_is_given() -> None:
     place, tissue = Placement(PAD, wedge_angle=np.radians(30)), Tissue(youngs_modulus=0.1024)
     found = hertz_contact(place, tissue, load=[0.0, 2.0, 2000.0])
     assert found.flags.tolist() == ["no_contact", "", "contact_too_wide"]
+    assert str(hertz_contact(place, Tissue(0.1024, thickness=8.0), load=2000.0).flags) == "contact_too_wide"
     for name in ("area", "indentation"):
         again = hertz_contact(place, tissue, **{name: getattr(found, name)})
         assert_array_equal(again.flag_code, found.flag_code)

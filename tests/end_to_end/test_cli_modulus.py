@@ -25,7 +25,10 @@ def test_both_theories(given: str, thickness: float | None) -> None:
     modulus = youngs_modulus(PLACEMENT, load=1.5, **tissue, **{given: value})
     whole = fast_contact(PLACEMENT, Tissue(modulus, **tissue), load=1.5)
     assert set(record) == {*KEYS, "flag", "thickness_mm", "hertz"}
-    assert set(record["hertz"]) == KEYS
+    assert set(record["hertz"]) == {*KEYS, "flag"}
+    assert record["hertz"]["flag"] == (None if thickness is None else "thickness_ignored")
+    said = "Hertz theory takes the layer for deep tissue" in run("modulus", *PAD, *press, *layer)[1]
+    assert said == (thickness is not None)
     assert record["flag"] is None
     assert record["youngs_modulus_kpa"] == pytest.approx(1000 * modulus, rel=1e-3)
     assert record["area_over_pi_indentation_mm"] == pytest.approx(whole.area_over_pi_indentation, rel=1e-3)
@@ -53,6 +56,9 @@ def test_out_of_range_is_said() -> None:
         (("--semi-axes-mm", 13.8, 7.9, 11.8, *PAD[4:]), (2, 90), "palmar 13.8 mm is more than distal"),
         (("--semi-axes-mm", 0.8, 1.4, 1.2, *PAD[4:]), (2, 90), "0.8 mm is less than any pad has"),
         ((*PAD[:5], 0.5236), (2, 90), "--wedge-deg: less than 1.6°: angles are in degrees"),
+        ((*PAD, "--thickness-mm", 8000), (2, 90), "8000 mm of tissue over bone, as of no fingertip"),
+        ((*PAD, "--thickness-mm", 0.4), (2, 0.9), "--thickness-mm: 0.4 mm of tissue over bone"),
+        ((*PAD, "--thickness-mm", 8), (2, 90), ""),
         (PAD, (2, 90), ""),
     ],
 )

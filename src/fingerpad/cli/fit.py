@@ -1,5 +1,6 @@
 """Fit one loading curve."""
 
+import math
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Annotated, Any
 from typer import Argument, Option, echo
 
 import fingerpad as fp
-from fingerpad._plausible import unit_doubts
+from fingerpad._plausible import thickness_doubt, unit_doubts
 from fingerpad.cli import options, show
 from fingerpad.exceptions import FitError, LoadingError
 
@@ -43,9 +44,12 @@ def estimate_of(
 def _thickness(text: str) -> float:
     """Return a thickness; as text, since numbers on the command line are finite."""
     try:
-        return float(text)
+        thickness = float(text)
     except ValueError:
         raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
+    if thickness < math.inf and (doubt := thickness_doubt(thickness)):
+        show.note(f"--thickness-mm: {doubt}")
+    return thickness
 
 
 @options.takes(

@@ -103,6 +103,12 @@ def print_law_flag(flag: str | None) -> None:
         typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
 
 
+def print_hertz_flag(flag: str | None) -> None:
+    """Say where Hertz theory ignores a thickness that matters."""
+    if flag == "thickness_ignored":
+        typer.echo("Hertz theory takes the layer for deep tissue")
+
+
 def print_if_too_large(size: float) -> None:
     """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
     from fingerpad.contact.hertz import WIDEST
@@ -214,15 +220,19 @@ def modulus(
             }
         )
     by_hertz, whole = records
+    tissue = fp.Tissue(1.0, poisson_ratio, thickness_mm or math.inf)
+    hertz_flag = str(fp.hertz_contact(placement, tissue, area=by_hertz["area_mm2"]).flags)
     for doubt in load_doubts(load_n, by_hertz["youngs_modulus_kpa"]):
         show.note(doubt)
 
     def print_table(_: Mapping[str, Any]) -> None:
         print_side_by_side({"whole pad": whole, "Hertz": by_hertz})
         print_law_flag(flag)
+        print_hertz_flag(hertz_flag)
         area = by_hertz["area_mm2"] / math.pi
         print_if_too_large(math.sqrt(area / (gap.first_radius * gap.second_radius)))
 
+    by_hertz |= {"flag": hertz_flag or None}
     record = {**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": by_hertz}
     show.result(record, as_json, print_table)
 
@@ -270,8 +280,7 @@ def _print_solved(record: Mapping[str, Any]) -> None:
     others = {name: plainly.pop(name) for name in ("fast", "hertz")}
     print_side_by_side({"solved": plainly, **others})
     print_law_flag(others["fast"]["flag"])
-    if others["hertz"]["flag"] == "thickness_ignored":
-        typer.echo("Hertz theory takes the layer for deep tissue")
+    print_hertz_flag(others["hertz"]["flag"])
 
 
 @options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)

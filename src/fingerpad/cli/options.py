@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeAlias
 from typer import CallbackParam, Option
 
 import fingerpad as fp
-from fingerpad._plausible import in_radians, semi_axes_doubt
+from fingerpad._plausible import in_radians, semi_axes_doubt, thickness_doubt
 from fingerpad.cli import show
 from fingerpad.exceptions import GeometryError, LoadingError
 from fingerpad.units import KPA_PER_MPA
@@ -26,6 +26,14 @@ def _require_positive(flag: CallbackParam, value: Any) -> Any:
     for number in value if isinstance(value, tuple) else (value,):
         if number is not None and not 0 < number < math.inf:
             raise GeometryError(f"{flag.opts[0]} must be positive and finite, found {number:g}")
+    return value
+
+
+def _check_thickness(flag: CallbackParam, value: float | None) -> float | None:
+    """Refuse a thickness that is not positive and finite, and note one that no fingertip has."""
+    _require_positive(flag, value)
+    if value is not None and (doubt := thickness_doubt(value)):
+        show.note(f"{flag.opts[0]}: {doubt}")
     return value
 
 
@@ -48,7 +56,12 @@ RollAngle: TypeAlias = Annotated[
 ]
 YoungsModulus: TypeAlias = Annotated[float, positive("Young's modulus E of the tissue, kPa.")]
 Thickness: TypeAlias = Annotated[
-    float | None, positive("Effective thickness of the tissue over bone, mm.", show_default="half-space")
+    float | None,
+    Option(
+        help="Effective thickness of the tissue over bone, mm.",
+        callback=_check_thickness,
+        show_default="half-space",
+    ),
 ]
 PoissonRatio: TypeAlias = Annotated[float, Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")]
 

@@ -28,8 +28,9 @@ from fingerpad.geometry import Paraboloid, Placement
 
 AnyPlacement: TypeAlias = Placement | Paraboloid
 
-# What takes a contact out of the range of a theory, by its code. The numbers are then NaN, but for Hertz
-# theory: with `thickness_ignored` they are those of deep tissue, with `contact_too_wide` of a paraboloid.
+# What takes a contact out of the range of a theory, by its code. The numbers are then NaN, but 0 where a pad
+# is not pressed, and for Hertz theory: with `thickness_ignored` they are those of deep tissue, with
+# `contact_too_wide` of a paraboloid.
 FLAGS: Final = (
     "",
     "no_contact",
@@ -191,8 +192,9 @@ class Contact(Displayed):
 
     @property
     def aspect_ratio(self) -> FloatArray:
-        """ℓd/ℓe ≥ 1."""
-        return self.semi_major / self.semi_minor
+        """ℓd/ℓe ≥ 1; NaN without a contact."""
+        with np.errstate(all="ignore"):
+            return self.semi_major / self.semi_minor
 
     @property
     def along(self) -> BoolArray:

@@ -47,7 +47,8 @@ def fast_contact(
     contact's mean radius and above the indentation, ν of a layer from 0.3 to 0.5, and axis ratios of Hertz
     theory down to 0.5 on a layer and to 0.33 elsewhere; beyond, they give NaN and a flag. Of whole pads on a
     layer, a load at an indentation is within 1 %; where a contact nears both 0.6 of the silhouette and three
-    times the thickness, it is up to 3 % too low, and the rest 1 % off.
+    times the thickness, it is up to 3 % too low, and the rest 1 % off. Not pressed at all, load, area and
+    indentation are 0, with the flag ``no_contact``.
 
     Parameters
     ----------
@@ -224,7 +225,7 @@ def find_modulus(
         indentation=indentation,
     )
     pressed = load.real > 0
-    modulus = np.where(pressed, load, np.nan) / unit.load
+    modulus = np.where(pressed & (unit.flag_code == 0), load, np.nan) / unit.load
     contact = replace(
         unit,
         load=np.where(np.isnan(modulus), np.nan, load)[()],
@@ -285,7 +286,8 @@ def _sizes(
     if laws.layer is not None:
         code[(code == 0) & laws.layer.pressed_through(results[2])] = FLAGS.index("layer_too_thin")
     if code.any():
-        results = [np.where(code == 0, each, np.nan) for each in results]
+        without = np.where(value == 0, 0 * k, np.nan)  # a pad that is not pressed has no contact
+        results = [np.where(code == 0, each, without) for each in results]
     return *results, code
 
 
@@ -303,5 +305,5 @@ def _form(
     a, miss, hertz_a = laws.mean_radius("area", area, np.array(np.pi))
     ratio, along = laws.axis_ratio(a)
     results = a * ratio, a / ratio, along, 1.5 * laws.peak(a)
-    inside = laws.flag(a, k, miss, area, hertz_a) == 0
+    inside = (laws.flag(a, k, miss, area, hertz_a) == 0) | (area == 0)
     return tuple(np.where(inside, each, np.nan) for each in results)

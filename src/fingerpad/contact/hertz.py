@@ -71,16 +71,18 @@ def hertz_contact(
     """
     of, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
     first, second = placement.relative_radii
+    value = np.broadcast_to(value, np.broadcast_shapes(value.shape, np.shape(tissue.thickness)))
     force, size, depth, major, minor = apply_blockwise(
         partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus
     )
     code = np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact")))
     with np.errstate(invalid="ignore"):
-        too_wide = size > np.pi * WIDEST**2 * np.abs(first * second)
-        code = np.where(too_wide, np.int8(FLAGS.index("contact_too_wide")), code)[()]
         if not tissue.is_deep:
             matters = size > np.pi * (_THICKNESS_MATTERS * tissue.thickness) ** 2
             code = np.where(matters, np.int8(FLAGS.index("thickness_ignored")), code)
+        # The graver of the two, and what a wrong unit shows.
+        too_wide = size > np.pi * WIDEST**2 * np.abs(first * second)
+        code = np.where(too_wide, np.int8(FLAGS.index("contact_too_wide")), code)[()]
     return Contact(
         load=force,
         area=size,

@@ -346,7 +346,7 @@ class Laws:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the radius √(A/π) of a value, by how much Newton's method missed, and Hertz theory's."""
         power = _POWERS[of]
-        ratio = np.where(value.real > 0, value, np.nan) / unit
+        ratio = np.where(value.real >= 0, value, np.nan) / unit
         if power == 2:
             hertz = np.sqrt(ratio)
         else:

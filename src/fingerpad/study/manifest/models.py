@@ -23,7 +23,7 @@ from pydantic import (
     model_validator,
 )
 
-from fingerpad._plausible import MOST_N, in_radians, semi_axes_doubt
+from fingerpad._plausible import MOST_N, PLAUSIBLE_THICKNESS_MM, in_radians, semi_axes_doubt
 from fingerpad._words import joined
 from fingerpad.exceptions import ManifestError
 
@@ -46,8 +46,10 @@ def _over_bone(value: object) -> object:
 Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False), AfterValidator(not_tiny)]
 Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False), AfterValidator(not_tiny)]
 LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
-# Of tissue over bone at a fingertip, with room on both sides: outside, the unit is wrong.
-TissueThickness = Annotated[float, BeforeValidator(_over_bone), Field(ge=0.5, le=50, allow_inf_nan=False)]
+_THINNEST, _THICKEST = PLAUSIBLE_THICKNESS_MM
+TissueThickness = Annotated[
+    float, BeforeValidator(_over_bone), Field(ge=_THINNEST, le=_THICKEST, allow_inf_nan=False)
+]
 Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False), AfterValidator(not_tiny)]
 RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 WedgeAngle = Annotated[float, Field(ge=0, le=90)]
