@@ -70,7 +70,7 @@ def test_csv_has_the_plotted_data(figure):
 
 def test_axes_font_and_colours(figure):
     settings = publish.FigureSettings(
-        x_range=(0.1, 3), y_range=(None, 20), x_scale="log", font_pt=10, colours=("black", "#aa0000")
+        x_low=0.1, x_high=3, y_high=20, x_scale="log", font_pt=10, colours="black,#aa0000"
     )
     wanted = publish.with_settings(figure, settings)
     drawn, (panel,) = draw_figure(wanted), wanted.panels
@@ -83,15 +83,15 @@ def test_axes_font_and_colours(figure):
     drawing = publish.figure_file(figure, "svg", settings).decode()
     assert re.search(r'font-size="10"[^>]*>normal load W', drawing)
     assert publish.figure_colours(figure)[0].lower() not in drawing.lower()
-    linear = publish.with_settings(wanted, publish.FigureSettings(x_scale="linear", x_range=(0, None)))
+    linear = publish.with_settings(wanted, publish.FigureSettings(x_scale="linear", x_low=0))
     (axes,) = draw_figure(linear).axes
     assert (axes.get_xscale(), axes.get_xlim()[0]) == ("linear", 0)
 
 
 def test_one_end_beyond_the_data_is_refused(figure):
     with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
-        draw_figure(publish.with_settings(figure, publish.FigureSettings(x_range=(7, None))))
-    (axes,) = draw_figure(publish.with_settings(figure, publish.FigureSettings(x_range=(7, 9)))).axes
+        draw_figure(publish.with_settings(figure, publish.FigureSettings(x_low=7)))
+    (axes,) = draw_figure(publish.with_settings(figure, publish.FigureSettings(x_low=7, x_high=9))).axes
     assert axes.get_xlim() == (7, 9)
 
 
@@ -108,11 +108,11 @@ def test_same_bytes_each_time(figure):
         ({"height_mm": float("nan")}, "height_mm: "),
         ({"font_pt": 0}, "font_pt: labels have 3 to 30 points"),
         ({"dpi": 1e6}, "dpi: "),
-        ({"x_range": (2, 1)}, "x_range: an axis goes from a smaller to a larger number, found 2 to 1"),
-        ({"y_range": (float("inf"), None)}, "y_range: "),
-        ({"y_range": (0, 1), "y_scale": "log"}, "y_range: a logarithmic axis has no zero"),
+        ({"x_low": 2, "x_high": 1}, "x_range: an axis goes from a smaller to a larger number, found 2 to 1"),
+        ({"y_low": float("inf")}, "y_range: "),
+        ({"y_low": 0, "y_high": 1, "y_scale": "log"}, "y_range: a logarithmic axis has no zero"),
         ({"x_scale": "cubic"}, "x_scale: an axis is linear or log, found 'cubic'"),
-        ({"colours": ("blue", "no colour")}, "colours: .*'no colour'"),
+        ({"colours": "blue,no colour"}, "colours: .*'no colour'"),
     ],
 )
 def test_bad_values_refused_in_words(settings, words):
@@ -125,7 +125,7 @@ def test_panels_of_several_quantities_keep_their_axes():
     columns = dict.fromkeys(("time", "load", "area", "semi_major", "semi_minor"), LOAD)
     plot_press(panels, **columns, phase=["loading"] * 4)
     with pytest.raises(FigureError, match="the panels of this figure show 2 quantities"):
-        draw_figure(publish.with_settings(made, publish.FigureSettings(x_range=(0, 1))))
+        draw_figure(publish.with_settings(made, publish.FigureSettings(x_low=0, x_high=1)))
     assert len(draw_figure(publish.with_settings(made, publish.FigureSettings(width_mm=183))).axes) == 4
 
 
@@ -171,11 +171,14 @@ LINE = {"x": [0, 1], "y": [0, 1]}
         ("line", LINE | {"colour": '"/><script>'}, {}),
         ("line", LINE | {"dash": [0, [1, 1]]}, {}),
         ("line", LINE | {"width": "1"}, {}),
+        ("line", LINE | {"label": {"object": "<b>"}}, {}),
+        (["line"], LINE, {}),
         ("text", {"text": 7, "x": 0, "y": 0}, {}),
         ("picture", {"png": '"', "left": 0, "right": 1, "bottom": 0, "top": 1}, {}),
         ("line", LINE, {"transform": 1}),
         ("line", LINE, {"x": {"label": None}}),
         ("line", LINE, {"columns": "2"}),
+        ("line", LINE, {"marks": {"line": LINE}}),
         ("line", LINE, {"place": [0.1, 0.1, 0.8]}),
     ],
 )

@@ -103,7 +103,7 @@ def test_receptors_are_named_in_order_and_apart():
 def test_colours_to_choose_are_few_and_contours_keep_theirs():
     figure = figures.section_figure(layer_field(), hertz=hertz_field(), points=21, levels=9)
     assert figure_colours(figure) == [BLUE, GREY, VERMILLION]
-    wanted = with_settings(figure, FigureSettings(colours=("black",), width_mm=60))
+    wanted = with_settings(figure, FigureSettings(colours="black", width_mm=60))
     before, after = (
         [mark.face for mark in one.panels[1].marks if isinstance(mark, Line)] for one in (figure, wanted)
     )

@@ -145,6 +145,15 @@ def test_text_stays_inside(name):
         assert 0 <= y - 0.7 * size <= y <= height, text
 
 
+def test_a_bar_to_below_zero_leaves_a_logarithmic_frame():
+    _, root = drawn(lambda axes: figures.plot_area_against_load(axes, LOAD, VALUE, area_std=[1, 2, 60, 3]))
+    frame = next(root.iter(f"{SVG}clipPath"))[0]
+    bottom = float(frame.get("y")) + float(frame.get("height"))
+    bars = next(one.get("d") for one in root.iter(f"{SVG}path") if one.get("d").count("L") == 3 * LOAD.size)
+    ends = [float(end) for end in re.findall(r"M[\d.]+ (-?[\d.]+)", bars)]
+    assert [end > bottom + 10 for end in ends] == [False] * 6 + [True, True, False] + [False] * 3
+
+
 def test_pad_has_equal_scales():
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     _, root = drawn(

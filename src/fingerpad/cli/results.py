@@ -63,16 +63,19 @@ def figure(
     from fingerpad.figures.marks import Figure
     from fingerpad.figures.publish import FigureSettings, save_figure
 
-    ranges = {"x_range": _range("--x-range", x_range), "y_range": _range("--y-range", y_range)}
+    (x_low, x_high), (y_low, y_high) = _range("--x-range", x_range), _range("--y-range", y_range)
     try:
         settings = FigureSettings(
             width_mm=width_mm,
             height_mm=height_mm,
             font_pt=font_pt,
-            **ranges,
+            x_low=x_low,
+            x_high=x_high,
+            y_low=y_low,
+            y_high=y_high,
             x_scale=x_scale,
             y_scale=y_scale,
-            colours=tuple(filter(None, colours.split(","))),
+            colours=colours,
             dpi=dpi,
         )
     except FigureError as error:

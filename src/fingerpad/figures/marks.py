@@ -24,7 +24,9 @@ Colour: TypeAlias = Annotated[str, re.compile(r"#?\w*")]
 Base64: TypeAlias = Annotated[str, re.compile(r"[\w+/]*=*")]
 Dash: TypeAlias = Literal["-", "--", ":", "-."]
 Marker: TypeAlias = Literal["o", "s", "D", "v", ".", ""]
+AxisName: TypeAlias = Literal["x", "y"]
 Side: TypeAlias = Literal["left", "center", "right"]
+Frame: TypeAlias = Literal["", "x", "xy"]  # in which directions places are fractions of it
 Legend: TypeAlias = Literal["", "above", "inside", "below"]
 
 # Of the numbers kept: far more than a drawing shows.
@@ -46,7 +48,7 @@ class _Record:
 
 def _checked(name: str, kind: Any, value: Any) -> Any:
     """Return a value of a kind; refuse another, as of a file that comes with somebody else's study."""
-    options = get_args(kind)
+    origin, options = get_origin(kind), get_args(kind)
     if kind is Numbers:
         flat = np.atleast_1d(as_float_array(value)).ravel().tolist()
         return np.array([float(f"{one:.{_DIGITS}g}") if math.isfinite(one) else math.nan for one in flat])
@@ -54,14 +56,18 @@ def _checked(name: str, kind: Any, value: Any) -> Any:
         return None if value is None else _checked(name, options[0], value)
     if kind is float and not isinstance(value, str):
         return float(value)
-    if get_origin(kind) is Literal:
+    if origin is list or (origin is tuple and (options[-1] is ... or len(value) == len(options))):
+        return origin(_checked(name, options[0], one) for one in value)
+    if kind in {Axis, Panel} and isinstance(value, dict):
+        value = kind(**value)
+    elif kind is AnyMark and isinstance(value, list):
+        value = KINDS[value[0]](**value[1])
+    if origin is Literal:
         good = value in options
-    elif get_origin(kind) is Annotated:
+    elif origin is Annotated:
         good = isinstance(value, str) and options[1].fullmatch(value) is not None
-    elif get_origin(kind) is tuple and (options[-1] is ... or len(value) == len(options)):
-        return tuple(_checked(name, options[0], one) for one in value)
     else:
-        good = isinstance(value, get_origin(kind) or kind)
+        good = isinstance(value, options if kind is AnyMark else origin or kind)
     if not good:
         raise ValueError(f"{name}: a figure takes no {value!r:.40} here")
     return value
@@ -119,7 +125,7 @@ class Band(Mark):
 class Rule(Mark):
     """A line through the whole frame at a value of an axis; with an end `to` a band."""
 
-    axis: Literal["x", "y"]
+    axis: AxisName
     at: float
     to: float | None = None
     _: KW_ONLY
@@ -139,7 +145,7 @@ class Bars(Mark):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ellipses(Mark):
-    """Ellipses of sizes on paper, points; `beside` takes x in fractions of the frame."""
+    """Ellipses of sizes on paper, points, at places that may be in fractions of the frame."""
 
     x: Numbers
     y: Numbers
@@ -148,7 +154,7 @@ class Ellipses(Mark):
     heights: Numbers
     angles_deg: Numbers
     face: Colour = "white"
-    beside: bool = False
+    frame: Frame = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,7 +170,7 @@ class Text(Mark):
     _: KW_ONLY
     right: float = 0.0
     up: float = 0.0
-    frame: Literal["", "x", "xy"] = ""
+    frame: Frame = ""
     size: float = FONT_PT
     horizontal: Side = "left"
     vertical: Literal["baseline", "top", "center", "bottom"] = "baseline"
@@ -204,10 +210,6 @@ class Axis(_Record):
     names: tuple[str, ...] | None = None
     lines: bool = True
 
-    def tick_labels(self) -> list[str]:
-        """Return what stands at the ticks that are given."""
-        return [f"{tick:g}" for tick in self.ticks or ()] if self.names is None else [*self.names]
-
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Panel(_Record):
@@ -232,9 +234,9 @@ class Panel(_Record):
         """Return the number of columns of a legend of so many names."""
         return self.columns or (2 if self.legend == "above" and count > 3 else 1)
 
-    def limits(self, name: Literal["x", "y"], axis: Axis | None = None) -> tuple[float, float]:
-        """Return the ends of an axis, or of another in its place: those given, else round the data."""
-        axis = axis or getattr(self, name)
+    def limits(self, name: AxisName) -> tuple[float, float]:
+        """Return the ends of an axis: those given, else round the data."""
+        axis: Axis = getattr(self, name)
         every = np.concatenate([np.empty(0), *(one for mark in self.marks for one in _extent(mark, name))])
         if axis.log:
             with np.errstate(all="ignore"):
@@ -285,7 +287,7 @@ def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Figure:
+class Figure(_Record):
     """A figure as data."""
 
     width_mm: float
@@ -296,6 +298,7 @@ class Figure:
     font_pt: float = FONT_PT  # of labels; that of other text follows
 
     def __post_init__(self) -> None:
+        _Record.__post_init__(self)
         if len(self.panels) != self.rows * self.columns:
             raise ValueError(f"{len(self.panels)} panels are not {self.rows} × {self.columns}")
         if not all(0 < size < math.inf for size in (self.width_mm, self.height_mm, self.font_pt)):
@@ -309,18 +312,8 @@ class Figure:
     def of_json(cls, text: str) -> Self:
         """Return a figure that was written as JSON, or raise ValueError."""
         try:
-            record = json.loads(text)
-            panels = [
-                Panel(
-                    marks=[KINDS[kind](**options) for kind, options in panel.pop("marks")],
-                    x=Axis(**panel.pop("x")),
-                    y=Axis(**panel.pop("y")),
-                    **panel,
-                )
-                for panel in record.pop("panels")
-            ]
-            return cls(panels=panels, **record)
-        except (KeyError, TypeError, AttributeError) as error:
+            return cls(**json.loads(text))
+        except (LookupError, TypeError, AttributeError) as error:
             raise ValueError(f"not a figure: {error}") from error
 
 

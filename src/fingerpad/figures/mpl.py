@@ -8,7 +8,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any, Concatenate, Final, Literal, ParamSpec, TypeVar, assert_never
 
 import numpy as np
-from matplotlib.ticker import NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 from PIL import Image
 
 from fingerpad.exceptions import FigureError
@@ -29,13 +29,7 @@ _LARGEST_PX: Final = 12_000
 _VARYING: Final = {"pdf": ("CreationDate", "Creator", "Producer"), "png": ("Software",)}
 _DRAWING: Final = Lock()  # Matplotlib's settings are global
 _LEGENDS: Final[dict[str, dict[str, Any]]] = {
-    "above": {
-        "loc": "lower left",
-        "bbox_to_anchor": (-0.02, 1.0),
-        "borderaxespad": 0.1,
-        "labelspacing": 0.25,
-        "columnspacing": 1.0,
-    },
+    "above": {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.1},
     "inside": {"loc": "upper left"},
     "below": {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0)},
 }
@@ -116,20 +110,16 @@ def draw(panel: marks.Panel, axes: "Axes") -> None:
         axes.legend(list(handles), list(samples), ncols=columns, **_LEGENDS[panel.legend])
 
 
-def _set_axis(wanted: marks.Axis, axes: "Axes", name: Literal["x", "y"]) -> None:
+def _set_axis(wanted: marks.Axis, axes: "Axes", name: marks.AxisName) -> None:
     axis = getattr(axes, f"{name}axis")
     if wanted.ticks is not None:
-        axis.set_ticks(wanted.ticks, labels=wanted.tick_labels())
+        axis.set_ticks(wanted.ticks)  # which are in view then
     if (wanted.low, wanted.high) != (None, None):
         getattr(axes, f"set_{name}lim")(wanted.low, wanted.high)
-    if wanted.log:
-        axis.set_minor_locator(NullLocator())
-        if wanted.ticks is None:
-            locator, formatter = tick_rule(wanted, *axis.get_view_interval())
-            axis.set_major_locator(locator)
-            axis.set_major_formatter(formatter)
-    if wanted.names == ():
-        axis.set_major_formatter(NullFormatter())
+    locator, formatter = tick_rule(wanted, *axis.get_view_interval())
+    axis.set_major_locator(locator)
+    axis.set_major_formatter(formatter)
+    axis.set_minor_locator(NullLocator())
     if not wanted.lines:
         axes.grid(visible=False, axis=name)
         axes.tick_params(axis=name, length=0)
@@ -138,8 +128,9 @@ def _set_axis(wanted: marks.Axis, axes: "Axes", name: Literal["x", "y"]) -> None
 
 
 def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
-    from matplotlib import collections, patches, path, patheffects
+    from matplotlib import collections, patheffects
 
+    places = {"": axes.transData, "x": axes.get_yaxis_transform(), "xy": axes.transAxes}
     look: dict[str, Any] = {"alpha": mark.alpha, "zorder": order, "label": mark.label or "_nolegend_"}
     coloured = {**look, "color": mark.colour}
     match mark:
@@ -150,12 +141,8 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
             spots = spots if mark.marker else {}
             axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
         case marks.Line() if mark.face:
-            known = np.isfinite(mark.x + mark.y)
-            goes_on = known & np.append(False, known[:-1])
-            codes = np.where(goes_on, path.Path.LINETO, path.Path.MOVETO)[known]
-            outline = path.Path(np.column_stack([mark.x, mark.y])[known], codes)
             look |= {"facecolor": mark.face, "edgecolor": (mark.colour, mark.alpha), "alpha": None}
-            axes.add_patch(patches.PathPatch(outline, linewidth=mark.width, **look))
+            axes.fill(mark.x, mark.y, linewidth=mark.width, **look)
         case marks.Line():
             look = {**coloured, "linewidth": mark.width, "clip_on": mark.clipped, "solid_capstyle": "butt"}
             axes.plot(mark.x, mark.y, mark.dash, **look)
@@ -176,13 +163,12 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
                 mark.angles_deg,
                 units="points",
                 offsets=np.column_stack([mark.x, mark.y]),
-                offset_transform=axes.get_yaxis_transform() if mark.beside else axes.transData,
+                offset_transform=places[mark.frame],
                 **look | {"facecolors": mark.face, "edgecolors": mark.colour, "linewidths": 0.9},
             )
             axes.add_collection(shapes, autolim=False)
             shapes.set_clip_on(False)
         case marks.Text():
-            places = "data", "axes fraction"
             halo = patheffects.withStroke(linewidth=HALO_PT, foreground=mark.halo)
             box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
             tag: dict[str, Any] = {"bbox": box, "style": "italic", "weight": "bold"} if mark.tag else {}
@@ -190,7 +176,7 @@ def _draw(mark: marks.AnyMark, axes: "Axes", order: float) -> None:
                 mark.text,
                 (mark.x, mark.y),
                 (mark.right, mark.up),
-                xycoords=(places[bool(mark.frame)], places[mark.frame == "xy"]),
+                xycoords=places[mark.frame],
                 textcoords="offset points",
                 ha=mark.horizontal,
                 va=mark.vertical,

@@ -13,7 +13,7 @@ from matplotlib.colors import is_color_like, to_hex
 
 from fingerpad._files import explain_write_errors
 from fingerpad.exceptions import FigureError
-from fingerpad.figures.marks import AnyMark, Axis, Band, Figure, Line, Panel, Picture, Rule, Text, data_of
+from fingerpad.figures.marks import AnyMark, AxisName, Band, Figure, Line, Panel, Picture, Rule, Text, data_of
 from fingerpad.figures.mpl import render
 from fingerpad.figures.style import BLACK
 from fingerpad.figures.svg import svg
@@ -21,10 +21,9 @@ from fingerpad.figures.svg_text import runs
 
 Format: TypeAlias = Literal["svg", "pdf", "png", "csv", "json"]
 Scale: TypeAlias = Literal["linear", "log"]
-# Either end of an axis, None where it follows the data.
-Range: TypeAlias = tuple[float | None, float | None]
 
 FORMATS: Final[tuple[Format, ...]] = get_args(Format)
+_AXES: Final[tuple[AxisName, ...]] = get_args(AxisName)
 CSV_COLUMNS: Final = ("panel", "x_name", "y_name", "series", "x", "y", "x_std", "y_std", "y_low", "y_high")
 
 # The least and the largest of each setting, in words.
@@ -48,11 +47,13 @@ class FigureSettings:
     width_mm: float | None = None
     height_mm: float | None = None
     font_pt: float | None = None
-    x_range: Range = (None, None)
-    y_range: Range = (None, None)
+    x_low: float | None = None
+    x_high: float | None = None
+    y_low: float | None = None
+    y_high: float | None = None
     x_scale: Scale | None = None
     y_scale: Scale | None = None
-    colours: tuple[str, ...] = ()
+    colours: str = ""  # separated by commas
     dpi: float = 300.0
 
     def __post_init__(self) -> None:
@@ -60,10 +61,11 @@ class FigureSettings:
             value = getattr(self, name)
             if value is not None and not least <= value <= largest:
                 raise FigureError(f"{name}: {words}, found {value:g}")
-        for axis, ends, scale in (("x", self.x_range, self.x_scale), ("y", self.y_range, self.y_scale)):
+        for axis in _AXES:
+            low, high, scale = self.of_axis(axis)
             if scale not in {None, "linear", "log"}:
                 raise FigureError(f"{axis}_scale: an axis is linear or log, found {scale!r}")
-            given = [end for end in ends if end is not None]
+            given = [end for end in (low, high) if end is not None]
             if not all(map(math.isfinite, given)) or (len(given) == 2 and not given[0] < given[1]):
                 raise FigureError(
                     f"{axis}_range: an axis goes from a smaller to a larger number, "
@@ -71,9 +73,18 @@ class FigureSettings:
                 )
             if scale == "log" and any(end <= 0 for end in given):
                 raise FigureError(f"{axis}_range: a logarithmic axis has no zero, found {min(given):g}")
-        for colour in self.colours:
+        for colour in self.each_colour():
             if not is_color_like(colour):
                 raise FigureError(f"colours: give names or #rrggbb, found {colour!r}")
+
+    def of_axis(self, name: AxisName) -> tuple[float | None, float | None, Scale | None]:
+        """Return both ends and the scale of an axis."""
+        low, high, scale = (getattr(self, f"{name}_{one}") for one in ("low", "high", "scale"))
+        return low, high, scale
+
+    def each_colour(self) -> list[str]:
+        """Return the colours one by one."""
+        return list(filter(None, self.colours.split(",")))
 
 
 def save_figure(
@@ -143,30 +154,32 @@ def figure_file(
 
 def with_settings(figure: Figure, settings: FigureSettings) -> Figure:
     """Return a figure as the settings want it."""
-    colours = dict(zip(figure_colours(figure), map(to_hex, settings.colours), strict=False))
+    colours = dict(zip(figure_colours(figure), map(to_hex, settings.each_colour()), strict=False))
+    panels = [replace(one, marks=[_recoloured(mark, colours) for mark in one.marks]) for one in figure.panels]
+    for name in _AXES:
+        if (wanted := settings.of_axis(name)) == (None, None, None):
+            continue
+        labels = {getattr(panel, name).label for panel in panels}
+        if len(labels) > 1:
+            raise FigureError(
+                f"{name}_range, {name}_scale: the panels of this figure show {len(labels)} quantities on "
+                "this axis: leave both as they are"
+            )
+        for panel in panels:
+            _set_axis(panel, name, *wanted)
     width = settings.width_mm or figure.width_mm
     return replace(
         figure,
         width_mm=width,
         height_mm=settings.height_mm or figure.height_mm * width / figure.width_mm,
         font_pt=settings.font_pt or figure.font_pt,
-        panels=[
-            replace(
-                panel,
-                marks=[_recoloured(mark, colours) for mark in panel.marks],
-                x=_set_axis(figure, panel, "x", settings.x_range, settings.x_scale),
-                y=_set_axis(figure, panel, "y", settings.y_range, settings.y_scale),
-            )
-            for panel in figure.panels
-        ],
+        panels=panels,
     )
 
 
 def _recoloured(mark: AnyMark, colours: Mapping[str, str]) -> AnyMark:
-    if isinstance(mark, Text) and mark.tag:
-        return mark
     new: dict[str, Any] = {name: colours.get(old, old) for name, old in _colours(mark).items()}
-    return replace(mark, **new)
+    return mark if isinstance(mark, Text) and mark.tag else replace(mark, **new)
 
 
 def _colours(mark: AnyMark) -> dict[str, str]:
@@ -174,29 +187,20 @@ def _colours(mark: AnyMark) -> dict[str, str]:
 
 
 def _set_axis(
-    figure: Figure, panel: Panel, name: Literal["x", "y"], ends: Range, scale: Scale | None
-) -> Axis:
-    """Return an axis with the scale and the ends that are given; what is left out stays."""
-    axis: Axis = getattr(panel, name)
-    low, high = ends
-    labels = {getattr(one, name).label for one in figure.panels}
-    if (scale or ends != (None, None)) and len(labels) > 1:
-        raise FigureError(
-            f"{name}_range, {name}_scale: the panels of this figure show {len(labels)} quantities on this "
-            "axis: leave both as they are"
-        )
-    if scale is not None:
-        least = -math.inf if scale == "linear" else 0.0
-        kept = [end if end is not None and end > least else None for end in (axis.low, axis.high)]
-        axis = replace(axis, log=scale == "log", low=kept[0], high=kept[1])
-    old = panel.limits(name, axis)
-    axis = replace(axis, low=axis.low if low is None else low, high=axis.high if high is None else high)
-    new = panel.limits(name, axis)
-    if None in ends and (new[0] < new[1]) != (old[0] < old[1]):
+    panel: Panel, name: AxisName, low: float | None, high: float | None, scale: Scale | None
+) -> None:
+    """Give an axis the ends and the scale that are given; what is left out stays."""
+    axis, before = getattr(panel, name), panel.limits(name)
+    log = axis.log if scale is None else scale == "log"
+    # Ends of a linear axis may be none of a logarithmic one.
+    kept = [None if log and end is not None and end <= 0 else end for end in (axis.low, axis.high)]
+    ends = kept[0] if low is None else low, kept[1] if high is None else high
+    setattr(panel, name, replace(axis, log=log, low=ends[0], high=ends[1]))
+    new = panel.limits(name)
+    if None in {low, high} and (new[0] < new[1]) != (before[0] < before[1]):
         raise FigureError(
             f"{name}_range: the axis would end at {min(new):g} and begin at {max(new):g}: give both ends"
         )
-    return axis
 
 
 def figure_colours(figure: Figure) -> list[str]:
@@ -204,14 +208,13 @@ def figure_colours(figure: Figure) -> list[str]:
 
     What fills a line is not among them: each area between contours has its own.
     """
-    other = Rule | Text | Picture
-    marks = (mark for panel in figure.panels for mark in panel.marks if not isinstance(mark, other))
-    every = (
+    every = [
         colour
-        for mark in marks
+        for panel in figure.panels
+        for mark in panel.marks
         for name, colour in _colours(mark).items()
-        if not (isinstance(mark, Line) and name == "face")
-    )
+        if not isinstance(mark, Rule | Text | Picture) and (name != "face" or not isinstance(mark, Line))
+    ]
     return [colour for colour in dict.fromkeys(every) if colour not in _NEUTRAL]
 
 

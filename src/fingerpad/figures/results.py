@@ -19,6 +19,7 @@ from fingerpad.figures.marks import (
     Bars,
     Dash,
     Ellipses,
+    Frame,
     Line,
     Panel,
     Points,
@@ -173,7 +174,7 @@ def plot_aspect_ratio(
         at, turn = predicted_aspect_ratio, predicted_long_axis_angle
         axes.add(
             Rule("y", at, colour=ORANGE, dash="--"),
-            _shapes(1.06, at, turn, edge=ORANGE, beside=True),
+            _shapes(1.06, at, turn, edge=ORANGE, frame="x"),
             _level_name(at, f"Hertz\n{at:.2f}", gap=22),
         )
     axes.x = Axis("normal load W (N)\nshapes as seen through the platen, fingertip up", low=0)
@@ -181,11 +182,11 @@ def plot_aspect_ratio(
 
 
 def _shapes(
-    x: ArrayLike, ratio: ArrayLike, angle: ArrayLike, *, edge: str, face: str = "white", beside: bool = False
+    x: ArrayLike, ratio: ArrayLike, angle: ArrayLike, *, edge: str, face: str = "white", frame: Frame = ""
 ) -> Ellipses:
-    """Return ellipses of one length, each at its ratio; `beside` takes x in fractions of the frame."""
+    """Return ellipses of one length, each at its ratio."""
     turn, width = 90 + np.degrees(angle), np.full(np.shape(ratio), _SHAPE_POINTS)
-    look: dict[str, Any] = {"colour": edge, "face": face, "beside": beside}
+    look: dict[str, Any] = {"colour": edge, "face": face, "frame": frame}
     return Ellipses(x, ratio, widths=width, heights=width / ratio, angles_deg=turn, **look)
 
 

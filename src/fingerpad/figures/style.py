@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib as mpl
 from matplotlib import ticker
@@ -56,12 +56,12 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "legend.fontsize": LEGEND_PT,
     "legend.frameon": False,
     "legend.handlelength": 1.8,
+    "legend.labelspacing": 0.25,
+    "legend.columnspacing": 1.0,
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
     "errorbar.capsize": CAP_PT,
     "pdf.fonttype": 42,  # fonts that a journal can edit
-    "svg.fonttype": "none",
-    "svg.hashsalt": "fingerpad",
 }
 
 
@@ -75,11 +75,12 @@ def in_style() -> Iterator[None]:
 
 
 def tick_rule(
-    axis: "Axis", low: float, high: float, most: int = 9
+    axis: "Axis", low: float, high: float, most: int | Literal["auto"] = "auto"
 ) -> tuple[ticker.Locator, ticker.Formatter]:
     """Return what places the ticks of an axis between its ends, `most` of them, and what labels them."""
     if axis.ticks is not None:
-        return ticker.FixedLocator(axis.ticks), ticker.FixedFormatter(axis.tick_labels())
+        names = [f"{tick:g}" for tick in axis.ticks] if axis.names is None else axis.names
+        return ticker.FixedLocator(axis.ticks), ticker.FixedFormatter(names)
     if axis.log:
         # Most data span little more than a decade: one tick in each would be too few.
         subs = (1,) if high >= 100 * low else (1, 2, 5) if high > 5 * low else (1, 1.5, 2, 3, 4, 5, 7)

@@ -22,6 +22,7 @@ _POINTS_PER_MM: Final = 72 / MM_PER_INCH
 _EDGE: Final = 3.0  # free of anything beside and between panels
 _TICK, _PAD = 3.5, 3.0
 _MOST_TICKS: Final = 9
+_LEAST: Final = 1e-30
 _DASHES: Final = {"--": (3.7, 1.6), ":": (1.0, 1.65), "-.": (6.4, 1.6, 1.0, 1.6)}  # of the line's width
 # Of the size of a marker, from its centre; others are round.
 _CORNERS: Final = {
@@ -84,9 +85,8 @@ class _Scale:
     def __call__(self, values: Any) -> Any:
         """Return places on paper."""
         low, high = self.low, self.high
-        if self.axis.log:
-            with np.errstate(all="ignore"):
-                values, low, high = np.log10(values), math.log10(low), math.log10(high)
+        if self.axis.log:  # what is not above zero lies far outside
+            values, low, high = (np.log10(np.maximum(one, _LEAST)) for one in (values, low, high))
         return self.begin + (values - low) / (high - low) * (self.end - self.begin)
 
     def ticks(self, room: float) -> list[tuple[float, str]]:
@@ -217,9 +217,6 @@ class _Drawing:
             return ""
         scale, at, std = getattr(self, axis), data[axis], data[f"{axis}_std"]
         low, high, place = scale(at - std), scale(at + std), getattr(self, other)(data[other])
-        # Below zero a logarithmic axis has no place: the bar leaves the frame.
-        outside = scale.begin + math.copysign(99, scale.begin - scale.end)
-        low = np.where(np.isfinite(low) | ~np.isfinite(high), low, outside)
         gap, before, after = np.full(low.shape, np.nan), place - CAP_PT, place + CAP_PT
         along = np.stack([low, high, gap, low, low, gap, high, high, gap], axis=-1).ravel()
         across = np.stack([place, place, gap, before, after, gap, before, after, gap], axis=-1).ravel()
@@ -228,9 +225,13 @@ class _Drawing:
     def _in_frame(self, x: Any) -> Any:
         return self.left + x * (self.right - self.left)
 
+    def _at(self, mark: marks.Ellipses | marks.Text) -> tuple[Any, Any]:
+        x = self._in_frame(mark.x) if mark.frame else self.x(mark.x)
+        y = self.bottom - mark.y * (self.bottom - self.top) if mark.frame == "xy" else self.y(mark.y)
+        return x, y
+
     def _ellipses(self, mark: marks.Ellipses) -> None:
-        x = self._in_frame(mark.x) if mark.beside else self.x(mark.x)
-        shapes = np.stack([mark.widths / 2, mark.heights / 2, x, self.y(mark.y), -mark.angles_deg], axis=-1)
+        shapes = np.stack([mark.widths / 2, mark.heights / 2, *self._at(mark), -mark.angles_deg], axis=-1)
         drawn = "".join(
             f'<ellipse rx="{a:.2f}" ry="{b:.2f}" transform="translate({x:.2f} {y:.2f}) rotate({turn:.1f})"/>'
             for a, b, x, y, turn in shapes[np.isfinite(shapes).all(axis=1)].tolist()
@@ -238,8 +239,7 @@ class _Drawing:
         self._add(f'<g fill="{mark.face}" stroke="{mark.colour}" stroke-width=".9">{drawn}</g>')
 
     def _text(self, mark: marks.Text) -> None:
-        x = self._in_frame(mark.x) if mark.frame else float(self.x(mark.x))
-        y = self.bottom - mark.y * (self.bottom - self.top) if mark.frame == "xy" else float(self.y(mark.y))
+        x, y = self._at(mark)
         look = {name: getattr(mark, name) for name in ("horizontal", "vertical", "colour", "tag", "halo")}
         self._write(mark.text, x + mark.right, y - mark.up, self.size * mark.size / FONT_PT, **look)
 

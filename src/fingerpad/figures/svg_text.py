@@ -81,14 +81,8 @@ def _font() -> ImageFont.FreeTypeFont:
 
 @cache
 def _line(text: str, size: float) -> str:
-    """Return a line of text with its formulas as spans."""
-    return "".join(_spans(text, size))
-
-
-def _spans(text: str, size: float) -> Iterator[str]:
-    """Yield the runs of a line as spans, a superscript over the subscript before it."""
-    height = 0.0
-    before = Run("")
+    """Return a line with the symbols of formulas as spans, a superscript over the subscript before it."""
+    spans, height, before = "", 0.0, Run("")
     for run in runs(text):
         target = {0: 0.0, 1: _RAISED * size, -1: _LOWERED * size}[run.script]
         attributes = f' dy="{target - height:.2f}"' if target != height else ""
@@ -99,9 +93,10 @@ def _spans(text: str, size: float) -> Iterator[str]:
         if run.slanted:
             attributes += ' font-style="italic"'
         shown = escape(run.text, quote=False)
-        yield f"<tspan{attributes}>{shown}</tspan>" if attributes else shown
+        spans += f"<tspan{attributes}>{shown}</tspan>" if attributes else shown
         height = target
         before = Run(before.text + run.text, script=run.script) if run.script == before.script == -1 else run
+    return spans
 
 
 class TextBox(NamedTuple):

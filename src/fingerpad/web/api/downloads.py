@@ -9,19 +9,18 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Annotated, Final, Literal
 
+from fastapi import Depends, Response
 from fastapi import Path as PathParameter
-from fastapi import Response
-from pydantic import Field
 from starlette.background import BackgroundTask
 from starlette.responses import FileResponse
 
 from fingerpad._files import file_stem
 from fingerpad.figures.marks import Figure
-from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
+from fingerpad.figures.publish import FigureSettings, Format, figure_colours, figure_file, plain_text
 from fingerpad.study.results.result_set import RERUN, result_files, result_set_faults
 from fingerpad.study.share import Bundle, LeftOut, pack
 from fingerpad.web.answers import Answer, RequestError
-from fingerpad.web.api.base import ASK_AGAIN, Opened, Params, Query, router, saved_as
+from fingerpad.web.api.base import ASK_AGAIN, Opened, router, saved_as
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
 
@@ -119,35 +118,6 @@ class FigureDetails(Answer):
     axes: dict[Literal["x", "y"], str]
 
 
-class FigureFileParams(Params):
-    """A figure, the format of its file, and how to draw it; what is left out stays as in the report."""
-
-    name: str
-    kind: Format
-    width_mm: float | None = None
-    height_mm: float | None = None
-    font_pt: float | None = None
-    x_low: float | None = None
-    x_high: float | None = None
-    y_low: float | None = None
-    y_high: float | None = None
-    x_scale: Scale | None = None
-    y_scale: Scale | None = None
-    colours: Annotated[str, Field(max_length=500, description="Separated by commas.")] = ""
-    dpi: float = 300.0
-    attachment: bool = False
-
-    def settings(self) -> FigureSettings:
-        """Return how to draw it."""
-        stated = self.model_dump(include={*FigureSettings.__dataclass_fields__} - {"colours"})
-        return FigureSettings(
-            **stated,
-            x_range=(self.x_low, self.x_high),
-            y_range=(self.y_low, self.y_high),
-            colours=tuple(filter(None, self.colours.split(","))),
-        )
-
-
 _CAPTION: Final = re.compile(r'aria-label="([^"]+)"')
 
 
@@ -176,11 +146,18 @@ def figure(opened: Opened, name: str) -> FigureDetails:
 
 
 @router.get("/results/figure/file", response_class=Response)
-def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response:
-    """Return a figure as a file."""
-    content = figure_file(_figure(opened, params.name), params.kind, params.settings())
-    saved = saved_as(f"{file_stem(params.name)}.{params.kind}") if params.attachment else {}
-    return Response(content, media_type=_MEDIA_TYPES[f".{params.kind}"], headers=ASK_AGAIN | saved)
+def figure_download(
+    opened: Opened,
+    name: str,
+    kind: Format,
+    settings: Annotated[FigureSettings, Depends()],
+    *,
+    attachment: bool = False,
+) -> Response:
+    """Return a figure as a file; what is left out of its settings stays as in the report."""
+    content = figure_file(_figure(opened, name), kind, settings)
+    saved = saved_as(f"{file_stem(name)}.{kind}") if attachment else {}
+    return Response(content, media_type=_MEDIA_TYPES[f".{kind}"], headers=ASK_AGAIN | saved)
 
 
 def _figure(opened: StudySession, name: str) -> Figure:
