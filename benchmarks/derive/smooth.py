@@ -57,9 +57,10 @@ def compare(model: Any, steps: Sequence[Seen]) -> Compared:
 
 _LIMITS = (
     "least_contrast", "low_contrast", "crest_contrast", "least_score", "least_score_cut", "least_seen",
-    "most_shared", "least_overshoot", "rim", "even_begin", "film_begin", "sharp",
+    "most_shared", "beyond", "straight", "least_overshoot", "rim", "even_begin", "film_begin", "sharp",
 )  # fmt: skip
 _KEPT = dict.fromkeys(_LIMITS, "choice: what counts as a contact, or is flagged")
+_KEPT["reflected"] = "too few contacts with a reflection over their edge"
 _KEPT["cut"] = "the truth of contacts that the frame cuts is not defined"
 _PLACES = "crest", "fringe", "fringe_blur", "film"
 _EFFECTS = (

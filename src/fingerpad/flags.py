@@ -97,7 +97,7 @@ _CONTACT: Final = (
     ),
     Flag(
         "edge_hidden",
-        "less than 80 % of a smooth contact's edge is seen, for reflections, dirt or faintness",
+        "less than 80 % of a smooth contact's edge is seen, or a reflection lies over it, or dirt, or it is faint",
         f"keep reflections off the edge, state background, or {_REVIEW}",
         "pooling unless reviewed",
     ),

@@ -101,6 +101,19 @@ def test_a_contact_that_is_no_ellipse_is_followed_round_its_corners(share, shift
     assert measured == pytest.approx(axes * 0.03, rel=0.004)
 
 
+def test_a_dent_that_a_reflection_draws_in_is_flagged():
+    """A window over a dark contact's edge is inside as bright as the ground: the outline follows its side."""
+    image, ground = _picture(contrast=-60.0)
+    window = cv2.GaussianBlur(cv2.rectangle(np.zeros(image.shape), (60, 80), (105, 150), 60, -1), (0, 0), 1.5)
+    image = (image + window).clip(0, 255).round().astype(np.uint8)
+    found = measure_contact_image(image, _SCALE, surface="smooth")
+    assert found.gross_area < 0.95 * _AREA
+    assert "edge_hidden" in found.flags
+    assert abs(found.gross_area - _AREA) < 2.5 * found.gross_area_std
+    beside = measure_contact_image(image, _SCALE, surface="smooth", background=ground + window)
+    assert beside.gross_area == pytest.approx(_AREA, rel=0.02)
+
+
 def test_a_cut_out_on_even_ground_is_cut():
     image, _, _ = _uneven(0.04, shift=1.0)
     rows, columns = np.mgrid[:240, :260]

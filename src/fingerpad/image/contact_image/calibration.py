@@ -137,6 +137,9 @@ class SmoothModel:
     second: float = 0.3  # of the distance of a second edge
     hidden: float = 0.07  # of the radius, where nothing of the edge is seen
     cut: float = 0.42  # of the radius, where the frame cuts the contact
+    beyond: float = 0.4  # of the step's height; where levels beyond it differ by more, a reflection may lie
+    straight: float = 0.1  # of the mean curvature; an outline that bends less there follows the reflection
+    reflected: float = 0.15  # of the radius, where it does
 
     # A crest instead of a step: the slope of a gel.
     crest: float = 0.3  # of its width; the edge lies so far outside, inside where the crest is narrow

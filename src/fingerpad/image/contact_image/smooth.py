@@ -176,7 +176,7 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     doubts = {"low_contrast"} if step.contrast < SMOOTH.low_contrast * _ground(step) else set()
     if step.cut or _cut_out(step, view.part.pixels):
         doubts.add("touches_border")
-    elif step.seen < SMOOTH.least_seen:
+    elif step.seen < SMOOTH.least_seen or step.bend < SMOOTH.straight:
         doubts.add("edge_hidden")
     if nested or unclear or shared > SMOOTH.most_shared * step.radius:
         doubts.add("edge_unclear")
@@ -185,10 +185,11 @@ def _edge(step: Step, view: View, *, nested: bool = False) -> Edge:
     rows, columns = view.contact.shape
     edge = even_edge(view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5]), view)
     hidden = SMOOTH.cut if step.cut else SMOOTH.hidden * (1 - step.seen) ** 1.5
+    reflected = SMOOTH.reflected * min(max(2 - step.bend / SMOOTH.straight, 0.0), 1.0)
     return replace(
         edge,
         offset_std=shared / view.step,
-        varying_std=hidden * step.radius / view.step,
+        varying_std=math.hypot(hidden, reflected) * step.radius / view.step,
         doubts=frozenset(doubts),
     )
 

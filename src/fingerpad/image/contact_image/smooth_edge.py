@@ -26,7 +26,7 @@ from fingerpad.image._masks import (
 )
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.view import reduced_shape
-from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
+from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, shifted, signed_area
 from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 _ROUGH_SIDE: Final = 200  # longer side of the copy in which patches are found, px
@@ -49,6 +49,8 @@ _SEARCH: Final = 0.25  # of that reach; no contact is an ellipse, so its edge is
 # Times the wave number to the fourth power: where nothing is seen, fine waves stay small.
 _STIFF: Final = 3e-5
 _SETTLED: Final = 0.01  # px; an outline that a round moves by less moves no more
+_BEYOND: Final = 0.1, 1.0  # of the radius; reflections over the edge are seen so far beyond it
+_CHORD: Final = 12  # points of the outline between which its bend is looked at
 _DENT: Final = 0.032  # of the radius; an edge that far off the other waves counts still a little
 
 
@@ -72,6 +74,7 @@ class Step:
     noise: float = 0.0  # standard deviation of the level around the contact, grey levels
     cut: bool = False  # whether the contact leaves the picture
     overlap: float = 1.0  # intersection over union of the contact and its ellipse
+    bend: float = math.inf  # least curvature, times the radius, where a reflection may lie over the outline
 
     @property
     def radius(self) -> float:
@@ -245,7 +248,12 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
     if not moments.spread[1] > 0:  # an outline that crosses itself
         return None
     step = _step_across(points, seen, sign, _REACHES[-1])
-    return step and replace(step, overlap=moments.overlap(points), noise=_ground_spread(step, signal, inside))
+    return step and replace(
+        step,
+        overlap=moments.overlap(points),
+        noise=_ground_spread(step, signal, inside),
+        bend=_reflected_bend(step, seen),
+    )
 
 
 def _low_order(off: FloatArray, order: int, radius: float) -> FloatArray | None:
@@ -350,6 +358,26 @@ def _first_fringe(beyond: FloatArray, top: float, bottom: float) -> tuple[int, f
     """
     first = int(np.append(np.flatnonzero(np.diff(beyond) > 0), len(beyond) - 1)[0])
     return first + 1, max(0.0, (bottom - float(beyond[first])) / max(top - bottom, 1e-9))
+
+
+def _reflected_bend(step: Step, signal: Float32Array) -> float:
+    """Return how little the outline bends where a reflection may lie over the edge, times the radius.
+
+    There the picture steps once more beyond it. An outline that follows the side of a reflection in place of
+    the edge is straight or has a dent.
+    """
+    far = step.radius * np.linspace(*_BEYOND, 40)[:, None, None]
+    x, y = np.moveaxis(as_float32(step.points + far * outward_normals(step.points)), -1, 0)
+    levels = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=math.nan)
+    spread = np.subtract(*np.percentile(levels, (95, 5), axis=0))  # NaN where the picture ends
+    if not np.isfinite(spread).any():
+        return math.inf
+    reflected = spread > np.nanmedian(spread) + SMOOTH.beyond * step.height
+    before, after = step.points - shifted(step.points, -_CHORD), shifted(step.points, _CHORD) - step.points
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    bend = cross * step.radius / np.linalg.norm(before, axis=1) ** 3
+    bend = math.copysign(1.0, signed_area(step.points)) * bend
+    return float(bend[reflected].min(initial=math.inf))
 
 
 def _near(width: float, radius: float) -> float:
