@@ -97,7 +97,7 @@ _CONTACT: Final = (
     ),
     Flag(
         "edge_hidden",
-        "less than 80 % of a smooth contact's edge is seen, or a reflection lies over it, or dirt, or it is faint",
+        "less than 80 % of a smooth contact's edge is seen, or its outline follows a reflection",
         f"keep reflections off the edge, state background, or {_REVIEW}",
         "pooling unless reviewed",
     ),
