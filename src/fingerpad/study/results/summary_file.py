@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, Self, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, Self, TypeAlias
 
 from pydantic import (
     AfterValidator,
@@ -129,10 +129,7 @@ class Quantities(Record):
         def __getattr__(self, name: str) -> Any: ...
 
 
-RecordType = TypeVar("RecordType", bound=Quantities)
-
-
-def with_families(record: type[RecordType]) -> type[RecordType]:
+def with_families(record: type[Quantities]) -> Any:
     """Return a record in which each quantity is followed by the keys of its family."""
     keys: dict[str, Any] = {}
     for name in record.__annotations__:
@@ -143,7 +140,7 @@ def with_families(record: type[RecordType]) -> type[RecordType]:
                 holds, default = _HOLDS.get(end, (Number, math.nan))
                 keys[of + end] = holds, default if family.optional else ...
     keys |= {"__base__": record.__bases__, "__module__": record.__module__, "__doc__": record.__doc__}
-    return cast(type[RecordType], create_model(record.__name__, **keys))
+    return create_model(record.__name__, **keys)
 
 
 class Placed(Record):
