@@ -112,7 +112,7 @@ def mean_coverage(population: Population, design: Design, studies: int) -> Held:
                 truths[of, load] = row.of_finger + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = Rows(study, pads, seen, repeatability)
-        for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
+        for at in pool_by_load(rows, study_scatter(study, rows.table)):
             for name, (low, high), truth in _pairs(at, truths[at.finger, at.load_N]):
                 held[name].append(low <= truth <= high)
     return held

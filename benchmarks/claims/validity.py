@@ -20,7 +20,7 @@ from benchmarks.simulated import Seen, contact, finger, study_of
 from benchmarks.tables import share, table
 from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest.models import Curve, Study, Uncertainty
+from fingerpad.study.manifest.models import Curve, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
@@ -112,10 +112,10 @@ def press(truth: Truth, radii: tuple[float, float], load: float) -> tuple[float,
     return float(area), float(elongation), float(indentation)
 
 
-def measured(truth: Truth, rng: Rng) -> tuple[Study, FingerResult, float, Rows, tuple[float, float]]:
+def measured(truth: Truth, rng: Rng) -> tuple[FingerResult, float, Rows, tuple[float, float]]:
     """Measure contacts of a pad with errors of every input.
 
-    Returned are the study, its finger, the stated wedge angle, its contacts, and the true radii of curvature.
+    Returned are its finger, the stated wedge angle, its contacts, and the true radii of curvature.
     """
     # Pads with the place of contact longer across the finger, as fingers have it.
     axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
@@ -125,16 +125,16 @@ def measured(truth: Truth, rng: Rng) -> tuple[Study, FingerResult, float, Rows, 
     thickness: dict[str, Any] = {"effective_thickness_mm": t, "effective_thickness_mm_std": t and 0.1 * t}
     pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
     rows = Rows(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
-    return study, pad, wedge, rows, radii
+    return pad, wedge, rows, radii
 
 
 def simulated(truth: Truth, seed: int, folder: Path) -> tuple[ValidityRecord, dict[str, float]]:
     """Return what a study says of the model, and what is true of its contact at the highest load."""
     rng = np.random.default_rng([seed, 17])
-    study, pad, wedge, rows, radii = measured(truth, rng)
+    pad, wedge, rows, radii = measured(truth, rng)
     summaries = pool_contacts(rows)
     curve = _curve(truth, radii, wedge, pad.semi_axes, rng=rng, folder=folder)
-    (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
+    (validity,) = validity_of(rows, summaries, [curve])
     area, _, indentation = press(truth, radii, truth.loads[-1])
     radius = area / (np.pi * indentation)  # the sphere of the true area and indentation
     return validity, {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: indentation}

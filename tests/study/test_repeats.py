@@ -101,7 +101,7 @@ def test_sessions_of_one_press_each_are_the_repeats():
 def test_few_repeats_at_one_load_widen_its_mean(count, quantile):
     seen = repeats(count)
     known = contact_repeatability(STUDY, PADS, seen)
-    (mean,) = pool_by_load(modelled(*seen, known=known), known)
+    (mean,) = pool_by_load(modelled(*seen, known=known))
     spread = np.log([one.gross_area_mm2 for _, one in seen]).std(ddof=1) / np.sqrt(count)
     assert mean.contact_area_mm2_repeatability_std / mean.contact_area_mm2 == pytest.approx(spread, rel=1e-3)
     half = np.log(mean.contact_area_mm2_ci95_high / mean.contact_area_mm2)
@@ -218,7 +218,7 @@ def test_frames_of_a_sequence_are_no_repeats():
     covariance = {"covariance_mm2": 1e-8 * np.eye(2)}
     frames = [frame(k, (6.97 + 0.1 * k, 5.16), **covariance) for k in range(5)]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
-    assert pool_by_load(modelled(*frames, known=BOTH), BOTH) == []
+    assert pool_by_load(modelled(*frames, known=BOTH)) == []
 
 
 def test_repeatability_reaches_modulus_indentation_and_radius():
@@ -259,7 +259,7 @@ def test_no_contact_counts_for_all_because_of_its_little_noise():
 
 def test_means_at_each_load_state_what_they_are_uncertain_by():
     rows = modelled(*repeats(4), known=BOTH)
-    (at,) = pool_by_load(rows, BOTH)
+    (at,) = pool_by_load(rows)
     areas = rows.table["gross_area_mm2"].to_numpy()
     assert (at.contacts, at.sessions, at.load_N) == (4, 1, 1.0)
     assert at.contact_area_mm2 == pytest.approx(np.exp(np.log(areas).mean()))
@@ -271,13 +271,13 @@ def test_means_at_each_load_state_what_they_are_uncertain_by():
         getattr(at, f"youngs_modulus_kpa_{part}_std") for part in ("noise", "repeatability", "edge", "other")
     ]
     assert at.youngs_modulus_kpa_std == pytest.approx(np.linalg.norm(parts))
-    (at,) = pool_by_load(rows, NEITHER)
+    (at,) = pool_by_load(modelled(*repeats(4), known=NEITHER))
     assert np.isnan(at.contact_area_mm2_repeatability_std)
 
 
 def test_a_mean_of_contacts_that_tell_nothing_has_an_interval_of_all_there_is():
     nothing = [contact(k, gross_area_mm2_std=1e5) for k in range(3)]
-    (at,) = pool_by_load(modelled(*nothing, known=BOTH), BOTH)
+    (at,) = pool_by_load(modelled(*nothing, known=BOTH))
     assert np.isfinite(at.contact_area_mm2)
     assert at.contact_area_mm2_ci95_low < 1e-9
     assert at.contact_area_mm2_ci95_high > 1e9
@@ -374,7 +374,7 @@ def pressed(seed: int, presses: int = 1, frames: int = 40) -> Rows:
 
 
 def validity(rows: Rows) -> ValidityRecord:
-    (found,) = validity_of(STUDY, PADS, rows, pool_contacts(rows), [])
+    (found,) = validity_of(rows, pool_contacts(rows), [])
     return found
 
 

@@ -395,7 +395,6 @@ def _quantile(freedom: float) -> float:
 
 def pool_by_load(
     rows: Rows,
-    repeatability: Mapping[bool, ContactRepeatability],
     scatter: Sequence[ScatterRecord] = (),
     validities: Mapping[PlacementKey, ValidityRecord] = MappingProxyType({}),
 ) -> list[AtLoadRecord]:
@@ -414,7 +413,6 @@ def pool_by_load(
                 rows,
                 key,
                 group[load == one],
-                repeatability=repeatability[bool(key[-1])],
                 validity=validities.get(key),
                 between=between,
             )
@@ -428,11 +426,11 @@ def _at_load(
     key: PlacementKey,
     rows: pd.DataFrame,
     *,
-    repeatability: ContactRepeatability,
     validity: ValidityRecord | None,
     between: Mapping[tuple[str, bool], ScatterLevelRecord],
 ) -> AtLoadRecord:
     count, synthetic = len(set(items(rows["session"]))), bool(key[-1])
+    repeatability = of.repeatability[synthetic]
     freedom = float(repeatability.freedom) if repeatability.known else math.inf
     mean = partial(_mean, freedom=freedom, sessions=count)
     modulus_scatter = between.get(("youngs_modulus", synthetic))

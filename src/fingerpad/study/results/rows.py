@@ -74,6 +74,7 @@ class Rows:
         seen: Iterable[tuple[Contact, Measurement]],
         repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
     ) -> None:
+        self.study, self.fingers, self.repeatability = study, fingers, repeatability
         stream, capacity = iter(seen), length_hint(seen)
         pooled = GrowingArray(np.empty(0, dtype=np.intp), capacity)
         elongation_std = GrowingArray(np.empty(0), capacity)

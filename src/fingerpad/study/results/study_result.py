@@ -223,9 +223,7 @@ def result_of(
     rows = Rows(study, measured.fingers, measured, repeatability)
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
-    validities = validity_of(
-        study, measured.fingers, rows, found, measured.curves, repeatability=repeatability
-    )
+    validities = validity_of(rows, found, measured.curves)
     table = with_verdicts(rows.table, found, validities)
     found = [replace(summary, table=table) for summary in found]
     return StudyResult(
@@ -241,7 +239,6 @@ def result_of(
         scatter=scatter,
         by_load=pool_by_load(
             rows,
-            repeatability,
             scatter,
             {summary.key: validity for summary, validity in zip(found, validities, strict=True)},
         ),

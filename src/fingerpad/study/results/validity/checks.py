@@ -7,7 +7,6 @@ question.
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -19,9 +18,8 @@ from fingerpad._words import counted
 from fingerpad.contact.fast_laws import law_form, plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit
-from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
-from fingerpad.study.measuring.fingers import FingerResult, pad_placement
+from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
@@ -46,7 +44,6 @@ from fingerpad.study.results.validity.model_checks import (
 from fingerpad.uncertainty import pad_model, pool, pool_random_effects, propagate
 from fingerpad.uncertainty.discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.uncertainty.press_slope import PressSlope
-from fingerpad.uncertainty.repeats import ContactRepeatability
 from fingerpad.units import KPA_PER_MPA
 
 HERTZ_EXPONENT: Final = 2 / 3
@@ -65,17 +62,8 @@ _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 class FingerAtAngle:
     """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
 
-    def __init__(
-        self,
-        study: Study,
-        fingers: Mapping[str, FingerResult],
-        rows: Rows,
-        summary: Summary,
-        curves: Sequence[CurveResult],
-        *,
-        repeatability: Mapping[bool, ContactRepeatability],
-    ) -> None:
-        self.study, self.pad, self.summary = study, fingers[summary.finger], summary
+    def __init__(self, rows: Rows, summary: Summary, curves: Sequence[CurveResult]) -> None:
+        self.study, self.pad, self.summary = rows.study, rows.fingers[summary.finger], summary
         # The contact at the highest load of those that count, and its row; None where none counts.
         highest = self.highest = rows.highest_load.get(summary.key)
         self.highest_row = highest and first_record(
@@ -94,7 +82,7 @@ class FingerAtAngle:
         self.fits = tuple(one.fit for one in each_press_once(placed) if one.fit is not None)
         areas = summary.areas
         self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
-        repeats = repeatability.get(summary.synthetic)
+        repeats = rows.repeatability.get(summary.synthetic)
         self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
         self.press_freedom = math.inf  # degrees of freedom of how presses scatter
         if repeats is not None and repeats.known:
@@ -579,18 +567,10 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
 
 
 def validity_of(
-    study: Study,
-    fingers: Mapping[str, FingerResult],
-    rows: Rows,
-    summaries: Sequence[Summary],
-    curves: Sequence[CurveResult],
-    *,
-    repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
+    rows: Rows, summaries: Sequence[Summary], curves: Sequence[CurveResult]
 ) -> list[ValidityRecord]:
     """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
-    cases = [
-        FingerAtAngle(study, fingers, rows, one, curves, repeatability=repeatability) for one in summaries
-    ]
+    cases = [FingerAtAngle(rows, one, curves) for one in summaries]
     checks = [_checks(case) for case in cases]
     routes = {
         (synthetic, route): _discrepancy(
