@@ -335,7 +335,6 @@ class LoadingRadius(NamedTuple):
 
     value: float
     std: float
-    synthetic: bool
     flags: tuple[str, ...] = ()
     misfit_std: float = 0.0
     area_std: float = 0.0
@@ -365,12 +364,11 @@ def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, boo
     if not presses:
         return None
     fitting = [one for one in presses if math.isfinite(one.loading_radius_std)] or presses
-    *_, synthetic = pressed
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
     flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))
     if not np.isfinite(stds).all():
-        return LoadingRadius(float(values.mean()), math.nan, synthetic, flags)
+        return LoadingRadius(float(values.mean()), math.nan, flags)
     of_areas = values * [each.area_relative_std for each in fitting]
     own = np.sqrt(np.maximum(stds**2 - misfits**2 - of_areas**2, 0.0))
     pooled = pool(values, proportional_stds(values, own))
@@ -379,4 +377,4 @@ def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, boo
     std = math.hypot(pooled.total_std, misfit, area_std)
     scales = [each.manifest.scale for each in fitting]
     scale = scales[0] if isinstance(scales[0], str) and scales.count(scales[0]) == len(scales) else None
-    return LoadingRadius(pooled.value, std, synthetic, flags, misfit, area_std, scale)
+    return LoadingRadius(pooled.value, std, flags, misfit, area_std, scale)

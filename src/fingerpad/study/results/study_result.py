@@ -138,10 +138,9 @@ class StudyResult(Displayed):
         lines += [
             (row["observation"], row["reason"]) for row in records(failed[~frames], "observation", "reason")
         ]
-        framed = failed[frames]
-        for (name,), places in groups(framed, "sequence").items():
-            first = framed.iloc[places[0]]
-            many = "1 frame" if len(places) == 1 else f"{len(places)} frames; the first:"
+        for name, framed in failed[frames].groupby("sequence", sort=False):
+            first = framed.iloc[0]
+            many = "1 frame" if len(framed) == 1 else f"{len(framed)} frames; the first:"
             lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
 

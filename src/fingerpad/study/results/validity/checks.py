@@ -60,7 +60,7 @@ _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
 class FingerAtAngle:
-    """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
+    """A finger at an angle: its contacts, the one at the highest load, its loading data, and their checks."""
 
     def __init__(self, rows: Rows, summary: Summary, curves: Sequence[CurveResult]) -> None:
         self.study, self.pad, self.summary = rows.study, rows.fingers[summary.finger], summary
@@ -93,6 +93,8 @@ class FingerAtAngle:
         # Why there is no R_g from loading data, and no contact with a radius, where there is none.
         self.no_loading_radius = NO_AREAS if self.fits else "no loading data of this finger at this angle"
         self.nothing = NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
+        self.checks = _checks(self)  # of Hertz theory
+        self.of_layer = judge_together(tuple(layer_checks(self, curves)))
 
 
 def _has_modulus(fit: LoadingFit) -> bool:
@@ -571,21 +573,16 @@ def validity_of(
 ) -> list[ValidityRecord]:
     """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
     cases = [FingerAtAngle(rows, one, curves) for one in summaries]
-    checks = [_checks(case) for case in cases]
     routes = {
         (synthetic, route): _discrepancy(
             found
-            for one, all_of_one in zip(summaries, checks, strict=True)
-            for found in all_of_one
-            if one.synthetic == synthetic and found.check == route
+            for case in cases
+            for found in case.checks
+            if case.summary.synthetic == synthetic and found.check == route
         )
         for synthetic, route in product((False, True), ROUTES.values())
     }
-    of_layers = [judge_together(tuple(layer_checks(case, curves))) for case in cases]
-    return [
-        _validity(case, found, routes, of_layer)
-        for case, found, of_layer in zip(cases, checks, of_layers, strict=True)
-    ]
+    return [_validity(case, routes) for case in cases]
 
 
 def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
@@ -615,13 +612,10 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 
 
 def _validity(
-    case: FingerAtAngle,
-    checks: Sequence[ValidityCheck],
-    routes: Mapping[tuple[bool, str], ModelDiscrepancy | None],
-    of_layer: Sequence[ValidityCheck],
+    case: FingerAtAngle, routes: Mapping[tuple[bool, str], ModelDiscrepancy | None]
 ) -> ValidityRecord:
     """Return the checks of a place with the headlines that they concern."""
-    over_loads = _change_over_loads(case, checks)
+    over_loads = _change_over_loads(case)
     headlines = {}
     for name in HEADLINES:
         parts, words = [], []
@@ -640,11 +634,11 @@ def _validity(
             total_std=math.hypot(std, value * relative) if parts else std,
             model_relative_std=relative,
             model_from=" and ".join(words) or "not estimated: no loading data to compare with",
-            verdict=overall_verdict(one.verdict for one in checks if name in one.headlines),
+            verdict=overall_verdict(one.verdict for one in case.checks if name in one.headlines),
         )
-    worst = overall_verdict(one.verdict for one in checks)
+    worst = overall_verdict(one.verdict for one in case.checks)
     on_layer = LayerValidityRecord(
-        verdict=overall_verdict(one.verdict for one in of_layer), checks=list(of_layer)
+        verdict=overall_verdict(one.verdict for one in case.of_layer), checks=list(case.of_layer)
     )
     return ValidityRecord(
         model="Hertz theory",
@@ -653,8 +647,8 @@ def _validity(
         observation=case.highest.observation if case.highest else "",
         load_N=case.highest.load if case.highest else math.nan,
         headlines=headlines,
-        checks=list(checks),
-        on_layer=on_layer if of_layer else None,
+        checks=list(case.checks),
+        on_layer=on_layer if case.of_layer else None,
     )
 
 
@@ -666,9 +660,9 @@ def _result(case: FingerAtAngle, name: str) -> tuple[float, float]:
     return (row[name], row[f"{name}_std"]) if row else (math.nan, math.nan)
 
 
-def _change_over_loads(case: FingerAtAngle, checks: Iterable[ValidityCheck]) -> float:
+def _change_over_loads(case: FingerAtAngle) -> float:
     """Return the standard deviation of ln E that its trend over loads makes; NaN at one load."""
-    (growth,) = (one for one in checks if one.check == GROWTH)
+    (growth,) = (one for one in case.checks if one.check == GROWTH)
     if math.isnan(growth.value):
         return math.nan
     excess = growth.difference**2 - growth.value_std**2
