@@ -55,11 +55,6 @@ class Worker:
         self._is_ready = self._late = False
 
     @property
-    def pid(self) -> int:
-        """Its process number."""
-        return self._process.pid
-
-    @property
     def is_alive(self) -> bool:
         """Whether it has not ended."""
         return self._process.poll() is None
