@@ -300,7 +300,8 @@ def test_an_edge_further_out_makes_the_exponent_smaller():
         sizes = 4.0 * loads**0.3
         axes = np.transpose([1.2 * sizes + offset, sizes + offset])
         seen = [contact(k, axes=axes[k], load=load, **more) for k, load in enumerate(loads)]
-        return area_exponent(modelled(*seen).table)[:2]
+        found = area_exponent(modelled(*seen).table)
+        return found.value, found.std
 
     (plain, _), (moved, _) = exponent(0.0), exponent(0.1)
     found, std = exponent(0.0, **edge)

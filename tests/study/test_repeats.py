@@ -382,7 +382,8 @@ def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model():
     exponents: list[tuple[float, float]] = []
     for seed in range(12):
         rows = pressed(seed)
-        exponents.append(area_exponent(rows.table)[:2])
+        exponent = area_exponent(rows.table)
+        exponents.append((exponent.value, exponent.std))
         (growth,) = (one for one in validity(rows).checks if one.check == "area_against_load")
         value, std = exponents[-1]
         assert growth.value == pytest.approx(value)

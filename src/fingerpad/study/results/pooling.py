@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Self
+from typing import Final, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ from scipy import special
 from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._words import counted
+from fingerpad.estimate import Estimate
 from fingerpad.study.results import layer, model
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey
@@ -27,15 +28,7 @@ _OF_AREAS: Final = (
 )
 
 
-class Exponent(NamedTuple):
-    """Slope of ln A against ln W, with its standard uncertainty and 95 % interval, NaN if not known."""
-
-    value: float
-    std: float
-    interval: tuple[float, float] = (math.nan, math.nan)
-
-
-def area_exponent(rows: pd.DataFrame) -> Exponent:
+def area_exponent(rows: pd.DataFrame) -> Estimate:
     """Return the exponent of A ∝ W^n over the pooled of some rows: contacts, or frames of sequences.
 
     Of contacts two loads give a slope and three its uncertainty, from the scatter about it and the edge; of
@@ -46,11 +39,12 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
     major, minor = sound["semi_major_mm"].to_numpy(), sound["semi_minor_mm"].to_numpy()
     x, y = np.log(sound["load_N"].to_numpy()), np.log(np.pi * major * minor)
     if np.unique(x).size < 2:
-        return Exponent(math.nan, math.nan)
+        return Estimate.unknown("all that count are at one load")
     presses = PressSlope.of(x, y, area_noise(sound), items_of(sound))
     if presses is None:
         if x.size < 3:
-            return Exponent(float(np.polyfit(x, y, 1)[0]), math.nan)
+            slope = float(np.polyfit(x, y, 1)[0])
+            return Estimate(value=slope, std=math.nan, interval=(math.nan, math.nan))
         (value, _), covariance = np.polyfit(x, y, 1, cov=True)
         weights = np.linalg.pinv(np.vander(x, 2))[0]
         scatter, noise = math.sqrt(covariance[0, 0]), float(np.linalg.norm(weights * area_noise(sound)))
@@ -63,7 +57,7 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
     # An edge further out adds more to the logarithm of a small area: by one line for each device.
     tilts = [float(weights @ edge) for edge in edges_of(sound)]
     value, half = float(value), math.hypot(half, *(NORMAL_97_5 * tilt for tilt in tilts))
-    return Exponent(value, math.hypot(std, *tilts), (value - half, value + half))
+    return Estimate(value=value, std=math.hypot(std, *tilts), interval=(value - half, value + half))
 
 
 def items_of(rows: pd.DataFrame) -> Indices:
