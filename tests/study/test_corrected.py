@@ -14,7 +14,7 @@ from tests.study import small_study
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_image
 from fingerpad.report import write_report
 from fingerpad.simulate import render_contact_image, render_finger
-from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
+from fingerpad.study.corrections.apply import ContactPicture, corrected_photograph
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -38,7 +38,7 @@ PRESS = ContactSequence.model_validate(studies.sequence("press", "p", force="f",
 
 def seen(change=None, *, pixels=TRUTH.pixels, of=CONTACT, **settings):
     change = ContactCorrection.model_validate(change or {})
-    return corrected_contact_image(pixels, PPI, of, Path(), change, settings=settings)
+    return ContactPicture(pixels, PPI, of, Path(), settings).measured(change)
 
 
 def remove(row, column, radius_px):

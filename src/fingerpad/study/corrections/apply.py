@@ -169,31 +169,6 @@ def contact_options(
     }
 
 
-def prepared_contact(
-    pixels: npt.ArrayLike,
-    scale: image.Scale,
-    contact: Contact,
-    folder: Path,
-    correction: ContactCorrection = NOTHING,
-    *,
-    settings: image.ContactImageOptions | None = None,
-) -> image.PreparedContactImage:
-    """Tell the ridges in a contact's picture, as the manifest and a person say.
-
-    Strokes and ellipse of the correction are for `PreparedContactImage.measure`. `settings` say how all
-    frames of a sequence are read; a person's polarity goes before them.
-    """
-    options = contact_options(contact, folder, correction)
-    if settings is not None:
-        polarity = options["dark_on_light"]
-        # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
-        options = {**options, **settings, "threshold": correction.threshold}
-        if polarity is not None and polarity is not settings["dark_on_light"]:
-            # Learnt the other way round, the contrast is of something else.
-            options = {**options, "dark_on_light": polarity, "contrast": None}
-    return image.prepare_contact_image(pixels, scale, **options)
-
-
 def measured_under(
     prepared: image.PreparedContactImage, correction: ContactCorrection
 ) -> image.ContactImageResult:
@@ -202,34 +177,51 @@ def measured_under(
     return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
 
 
-def corrected_contact_image(
-    pixels: npt.ArrayLike,
-    scale: image.Scale,
-    contact: Contact,
-    folder: Path,
-    correction: ContactCorrection = NOTHING,
-    *,
-    settings: image.ContactImageOptions | None = None,
-) -> CorrectedContactImage:
-    """Measure a contact as a person wants it, and automatically; see `prepared_contact`."""
-    automatic, plain, reason = None, None, None
-    try:
-        plain = prepared_contact(pixels, scale, contact, folder, settings=settings)
-        automatic = plain.measure()
-    except ImageError as error:
-        reason = str(error)
-    found = automatic
-    if correction.edits:
-        found = reason = None
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactPicture:
+    """A picture of a contact, and how the manifest says that it is measured."""
+
+    pixels: npt.ArrayLike
+    scale: image.Scale
+    contact: Contact
+    folder: Path
+    settings: image.ContactImageOptions | None = None  # by which all frames of a sequence are read
+
+    def prepared(self, correction: ContactCorrection = NOTHING) -> image.PreparedContactImage:
+        """Tell the ridges, as the manifest and a person say; a person's polarity goes before the settings.
+
+        Strokes and ellipse of the correction are for `PreparedContactImage.measure`.
+        """
+        options, settings = contact_options(self.contact, self.folder, correction), self.settings
+        if settings is not None:
+            polarity = options["dark_on_light"]
+            # Frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
+            options = {**options, **settings, "threshold": correction.threshold}
+            if polarity is not None and polarity is not settings["dark_on_light"]:
+                # Learnt the other way round, the contrast is of something else.
+                options = {**options, "dark_on_light": polarity, "contrast": None}
+        return image.prepare_contact_image(self.pixels, self.scale, **options)
+
+    def measured(self, correction: ContactCorrection = NOTHING) -> CorrectedContactImage:
+        """Measure the contact as a person wants it, and automatically."""
+        automatic, plain, reason = None, None, None
         try:
-            prepared = plain
-            # With changes of these the ridges are detected again; strokes and ellipse need only those before.
-            if prepared is None or CORRECTIONS & correction.edits.keys():
-                prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
-            found = measured_under(prepared, correction)
+            plain = self.prepared()
+            automatic = plain.measure()
         except ImageError as error:
             reason = str(error)
-    return CorrectedContactImage(contact_image=found, reason=reason, automatic=automatic)
+        found = automatic
+        if correction.edits:
+            found = reason = None
+            try:
+                prepared = plain
+                # Changes of these detect the ridges again; strokes and ellipse need only those before.
+                if prepared is None or CORRECTIONS & correction.edits.keys():
+                    prepared = self.prepared(correction)
+                found = measured_under(prepared, correction)
+            except ImageError as error:
+                reason = str(error)
+        return CorrectedContactImage(contact_image=found, reason=reason, automatic=automatic)
 
 
 def corrected_photograph(

@@ -133,7 +133,7 @@ def measure_observation(
     assert scale is not None
     found = require_scale(scale)
     pixels = levels_of(folder / observation.file, colour=observation.surface == "smooth")
-    seen = apply.corrected_contact_image(pixels, found.scale, observation, folder, correction)
+    seen = apply.ContactPicture(pixels, found.scale, observation, folder).measured(correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
         return with_automatic_axes(Measurement(reason=in_study(seen.reason, folder)), seen)
@@ -348,10 +348,10 @@ def _compare(
         levels_of(folder / observation.file, colour=observation.surface == "smooth"),
         require_scale(scale),
     )
+    picture = apply.ContactPicture(pixels, found.scale, observation, folder)
     regions, record = [], Record()
     for name, active in {"first": one, "second": other}.items():
-        wanted = apply.contact_correction(active)
-        seen = apply.corrected_contact_image(pixels, found.scale, observation, folder, wanted).contact_image
+        seen = picture.measured(apply.contact_correction(active)).contact_image
         if seen is None:
             return {"reason": in_study(f"the {name} operator's correction leaves no contact", folder)}
         record[name] = dict(zip(QUANTITIES, seen.values.tolist(), strict=True))

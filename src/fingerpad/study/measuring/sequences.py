@@ -142,9 +142,8 @@ class SequenceImages:
         """Measure one frame as a person wants it, if anybody does."""
         assert frame.pixels is not None
         change = self.corrections.get(frame.index, apply.NOTHING)
-        return apply.corrected_contact_image(
-            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings.settings
-        )
+        seen = frame.pixels, self.found.scale, self.sequence, folder, settings.settings
+        return apply.ContactPicture(*seen).measured(change)
 
     def _measured(self, contact_image: image.ContactImageResult) -> Measurement:
         return from_contact_image(contact_image, self.sequence, self.found)

@@ -18,11 +18,11 @@ from fingerpad.image import (
     scan_texture,
 )
 from fingerpad.study.corrections.apply import (
+    ContactPicture,
     contact_correction,
     contact_options,
     frame_corrections,
     measured_under,
-    prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import CorrectedPooling, parts_of_item
@@ -202,14 +202,13 @@ class _Image:
         coloured = self.contact.surface == "smooth"
         return _PREPARED.get(
             self._key(reading),
-            lambda: prepared_contact(
+            lambda: ContactPicture(
                 self.opened.pictures.pixels(replace(place, colour=coloured)),
                 self.found.scale,
                 self.contact,
                 self.opened.folder,
-                reading,
-                settings=self._settings(),
-            ),
+                self._settings(),
+            ).prepared(reading),
         )
 
     def automatic(self) -> tuple[ContactImageResult | None, str | None]:
