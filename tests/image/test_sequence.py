@@ -23,8 +23,8 @@ from fingerpad.image import (
     scan_texture,
     sequence_summary,
 )
+from fingerpad.image.sequence.doubts import find_jump
 from fingerpad.image.sequence.force import zero_before_contact
-from fingerpad.image.sequence.result import find_jump
 from fingerpad.simulate import render_sequence
 
 FPS, CONTACT = 20.0, 8
