@@ -13,6 +13,7 @@ from PIL import Image
 
 import fingerpad as fp
 from fingerpad._display import Displayed, record_text
+from fingerpad.figures.marks import Text
 from fingerpad.image import BrushStroke, Picture, prepare_contact_image
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
 from fingerpad.uncertainty import sobol_indices
@@ -124,6 +125,11 @@ def test_show_saves_by_suffix(results, tmp_path: Path, name: str, file: str, sta
     assert (tmp_path / file).read_bytes().startswith(start)
     assert drawing._repr_png_().startswith(b"\x89PNG")
     assert len(repr(drawing)) < 100
+
+
+def test_each_of_several_contacts_is_named_by_its_load(results) -> None:
+    _, pressures = fp.show(results["contact"]).content.panels
+    assert [mark.text for mark in pressures.marks if isinstance(mark, Text)] == ["W = 1", "W = 2"]
 
 
 def test_show_errors(results, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from fingerpad import figures
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures.marks import Figure, Points
+from fingerpad.figures.marks import Axis, Figure, Points
 from fingerpad.figures.svg_text import line_width, runs
 from fingerpad.geometry import Ellipse, Ellipsoid
 
@@ -152,6 +152,31 @@ def test_a_bar_to_below_zero_leaves_a_logarithmic_frame():
     bars = next(one.get("d") for one in root.iter(f"{SVG}path") if one.get("d").count("L") == 3 * LOAD.size)
     ends = [float(end) for end in re.findall(r"M[\d.]+ (-?[\d.]+)", bars)]
     assert [end > bottom + 10 for end in ends] == [False] * 6 + [True, True, False] + [False] * 3
+
+
+@pytest.mark.parametrize("low", [0.7, 1.0, 20.1, 300.0])
+@pytest.mark.parametrize("ratio", [1.05, 1.5, 3.0, 4.9, 5.1, 9.0, 19.0, 21.0, 99.0, 199.0, 201.0, 999.0])
+def test_logarithmic_axes_have_some_ticks_and_not_too_many(low, ratio):
+    def plot(axes):
+        axes.add(Points([low, ratio * low], [1.0, 2.0]))
+        axes.x = Axis(log=True, margin=0)
+
+    (values, places), _ = ticks(drawn(plot)[1])
+    assert 3 <= len(values) <= 9
+    assert_allclose(np.polyval(np.polyfit(np.log(values), places, 1), np.log(values)), places, atol=0.1)
+
+
+@pytest.mark.parametrize("wedge_deg", [0, 30, 45])
+def test_samples_of_a_legend_wider_than_its_frame_stay_inside(wedge_deg):
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    shown = {"measured": Ellipse(7.9, 6.1), "predicted": Ellipse(8.0, 6.1)}
+    _, root = drawn(
+        lambda axes: figures.plot_pad_with_contact(axes, pad, wedge_angle=np.radians(wedge_deg), **shown)
+    )
+    lines = [re.fullmatch(r"M(-?[\d.]+) [\d.]+h[\d.]+", one.get("d")) for one in root.iter(f"{SVG}path")]
+    begins = [float(line[1]) for line in lines if line]
+    assert len(begins) == 2
+    assert min(begins) >= -0.5
 
 
 def test_pad_has_equal_scales():

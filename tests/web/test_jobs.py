@@ -324,7 +324,7 @@ def test_figures_are_drawn_for_publication(done):
     name = next(name for name in names if name.endswith("corrected_radius"))
     details = done.ask("results/figure", name=name)
     assert details["width_mm"] == 85
-    axes = {"x": "normal load W (N)", "y": "corrected radius of curvature (mm)"}
+    axes = {"x": "normal load W (N)", "y": "corrected radius (mm)"}
     assert details["axes"] == axes
 
     def file(kind, **settings):

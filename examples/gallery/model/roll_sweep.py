@@ -24,5 +24,5 @@ for wedge_deg in (15, 30, 45):
     contact = fp.hertz_contact(place, fp.Tissue(youngs_modulus=0.1), load=1.0)
     right.plot(roll_deg, contact.aspect_ratio, label=line.get_label())
 left.set(xlabel="roll angle (°)", ylabel="principal radii (mm)")
-right.set(xlabel="roll angle (°)", ylabel="aspect ratio of the contact")
+right.set(xlabel="roll angle (°)", ylabel="aspect ratio of the contact (–)")
 right.legend(loc="upper center")

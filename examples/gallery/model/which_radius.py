@@ -23,5 +23,5 @@ for function, name in (
     (equivalent_radius_from_area, "same area"),
 ):
     axes.plot(aspect_ratio, function(1.0, 1 / aspect_ratio), label=name)
-axes.set(xlabel="aspect ratio ℓd/ℓe", ylabel="radius over √(R′R″)")
+axes.set(xlabel="aspect ratio ℓd/ℓe (–)", ylabel="radius over √(R′R″) (–)")
 axes.legend()

@@ -202,13 +202,13 @@ def plot_contact_compliance(
     The fan turns about the mean of the points.
     """
     x = np.pi * as_float_array(indentation)
+    axes.add(*measured(x, area, y_std=area_std, synthetic=synthetic), *synthetic_tag(synthetic))
     if loading_radius is not None and np.isfinite(x).any():
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
         spread = loading_radius_std * np.abs(line - np.nanmean(x))
         said = value_with_uncertainty(loading_radius, loading_radius_std)
         label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
         axes.add(*fitted(line, loading_radius * line, spread, label=label))
-    axes.add(*measured(x, area, y_std=area_std, synthetic=synthetic), *synthetic_tag(synthetic))
     axes.x, axes.y = Axis("π × indentation, πξ (mm)"), Axis("contact area A (mm²)")
     axes.legend = "above"
 
@@ -290,7 +290,7 @@ def plot_relaxation(
     for number, constant in enumerate(np.atleast_1d(as_float_array(time_constants)).tolist()):
         label = f"{'_' * (number > 0)}time constants"
         axes.add(Rule("x", constant, colour=GREEN, dash=":", width=0.9, label=label))
-    axes.add(*synthetic_tag(synthetic))
+    axes.add(*synthetic_tag(synthetic, above=True))
     axes.x = Axis("time since the hold began (s)", log=True)
     axes.y = Axis("normal load W (N)")
     axes.legend = "above"

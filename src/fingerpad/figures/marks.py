@@ -375,11 +375,15 @@ def fitted(
     yield Line(x, y, colour=colour, label=label)
 
 
-def synthetic_tag(synthetic: ArrayLike) -> Iterator[Text]:
-    """Yield "synthetic", if anything is, in the lower right corner, where a growing curve leaves room."""
+def synthetic_tag(synthetic: ArrayLike, *, above: bool = False) -> Iterator[Text]:
+    """Yield "synthetic", if anything is, in the lower right corner, where a growing curve leaves room.
+
+    Of a falling one that is `above`.
+    """
     if np.any(synthetic):
-        place: dict[str, Any] = {"frame": "xy", "horizontal": "right", "vertical": "bottom"}
-        yield Text("synthetic", 0.99, 0.02, **place, colour=VERMILLION, tag=True)
+        place: dict[str, Any] = {"frame": "xy", "horizontal": "right"}
+        place["vertical"] = "top" if above else "bottom"
+        yield Text("synthetic", 0.99, 0.98 if above else 0.02, **place, colour=VERMILLION, tag=True)
 
 
 def arrow(start: FloatArray, end: FloatArray, *, colour: str = BLACK) -> Iterator[Line]:

@@ -90,8 +90,7 @@ def plot_pad_with_contact(
     directions = view.project(placement.curvature.principal_directions)
     radii = placement.curvature.principal_radii
     outline = _draw_surface(axes, pad, view)
-    drawn = _draw_directions(axes, centre, outline, directions, radii)
-    drawn.append(outline)
+    drawn = [outline]
     if measured is not None:
         angle = float(check_radians("measured_long_axis_angle", measured_long_axis_angle))
         label = "contact measured"
@@ -101,6 +100,7 @@ def plot_pad_with_contact(
         turn = float(np.arctan2(-long_axis[0], long_axis[1]))
         label = "Hertz shape of the measured area"
         drawn.append(_draw_contact(axes, centre, predicted, turn, colour=ORANGE, dash="--", label=label))
+    drawn += _draw_directions(axes, centre, np.concatenate(drawn), directions, radii)
     _frame(axes, np.concatenate(drawn))
     axes.add(Points(*centre, size=3.5, label="place of contact"))
     roll = f", roll φ = {np.degrees(roll_angle):g}°" if roll_angle else ""
@@ -190,14 +190,14 @@ def _draw_coordinate_axes(axes: Panel, pad: Ellipsoid, view: Camera) -> FloatArr
 
 
 def _draw_directions(
-    axes: Panel, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: PrincipalRadii
+    axes: Panel, centre: FloatArray, within: FloatArray, directions: FloatArray, radii: PrincipalRadii
 ) -> list[FloatArray]:
-    """Draw the principal directions through the place of contact, named at their ends; return their lines."""
+    """Draw the principal directions through the place of contact, named beyond points; return their lines."""
     lines: list[FloatArray] = []
     for direction, radius, word in zip(directions, radii, ("along", "across"), strict=True):
         upwards = word == "along"
         side = direction * np.sign(direction[1] if upwards else direction[0])
-        reach = (outline - centre) @ side
+        reach = (within - centre) @ side
         line = centre + np.outer([1.06 * reach.min(), 1.08 * reach.max()], side)
         name = f"R {word}{' ' if upwards else chr(10)}{radius:.1f} mm"
         place: dict[str, Any] = {"right": 0 if upwards else 3, "up": 2 if upwards else 0, "size": 6.8}

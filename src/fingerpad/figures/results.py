@@ -81,7 +81,7 @@ def plot_corrected_radius(
         axes, [(r"$R_\mathrm{g}$", measured_radius, "--"), (r"$R_\mathrm{0g}$", mean_curvature_radius, ":")]
     )
     axes.x = Axis("normal load W (N)", low=0)
-    axes.y = Axis("corrected radius of curvature (mm)", margin=0.15)
+    axes.y = Axis("corrected radius (mm)", margin=0.15)
     axes.legend = "above"
 
 
@@ -220,7 +220,9 @@ def plot_layer_effect(
         axes.add(Line(at, values, colour=colour, label=label))
         _mark_ratios(axes, at, values, as_float_array(marked), colour=colour, side=side)
     axes.x = Axis("assumed effective thickness of the tissue (mm)", log=True, ticks=_THICKNESS_TICKS)
-    axes.y = Axis("over Hertz theory", low=0, high=1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios]))))
+    axes.y = Axis(
+        "ratio to Hertz theory (–)", low=0, high=1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios])))
+    )
     axes.legend = "above"
     axes.add(*synthetic_tag(synthetic))
 

@@ -14,7 +14,7 @@ from fingerpad._arrays import broadcast
 from fingerpad.contact import Contact
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.loading import law_lines, plot_load_indentation, plot_load_residuals, predicted_band
-from fingerpad.figures.marks import Axis, Figure, Line, new_panels
+from fingerpad.figures.marks import Axis, Figure, Line, Text, new_panels
 from fingerpad.figures.publish import FigureSettings, figure_file, save_figure
 from fingerpad.figures.style import BLUE
 from fingerpad.figures.wedge import plot_wedge
@@ -24,6 +24,7 @@ from fingerpad.loading import LoadingFit
 
 # More contacts than these make no readable figure.
 _MAX_CONTACTS: Final = 20
+_MAX_NAMED: Final = 6
 _SETTINGS: Final = FigureSettings(dpi=144.0)
 _PREVIEW_PX: Final = 640
 
@@ -179,4 +180,6 @@ def _(result: Contact) -> Drawing:
         # The pressure p0 √(1 − x²/ℓd²) along the long axis.
         peak = 1.5 * load / (np.pi * major * minor)
         pressures.add(Line(major * np.cos(t[:91]), peak * np.sin(t[:91]), colour=BLUE))
+        if len(contacts[0]) <= _MAX_NAMED:
+            pressures.add(Text(f"W = {load:.3g}", 0, peak, up=2, horizontal="center", halo="white"))
     return Drawing(figure)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib as mpl
 from matplotlib import ticker
+from matplotlib.rcsetup import cycler
 
 from fingerpad.units import MM_PER_INCH
 
@@ -34,6 +35,11 @@ FADED: Final = 0.4
 # Sizes of text, half the width of the ends of bars, and width of the lines around a halo's letters, points.
 FONT_PT, TICK_PT, LEGEND_PT, CAP_PT, HALO_PT = 7.5, 7.0, 6.8, 1.8, 1.6
 
+# Of a logarithmic axis the ticks in each decade by the ratio of its ends, such that there are three or more;
+# up to the first ratio they are evenly spaced.
+_EVEN_STEPS: Final = 5
+_LOG_STEPS: Final = ((20, (1, 2, 3, 5, 7)), (200, (1, 2, 5)), (1000, (1, 3)))
+
 _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "font.family": "DejaVu Sans",  # shipped with Matplotlib: the same on every machine
     "font.size": FONT_PT,
@@ -47,6 +53,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "axes.grid": True,
+    "axes.prop_cycle": cycler(color=[BLUE, ORANGE, GREEN, VERMILLION, SKY]),
     "grid.color": GRID,
     "grid.linewidth": 0.5,
     "xtick.labelsize": TICK_PT,
@@ -81,14 +88,13 @@ def tick_rule(
     if axis.ticks is not None:
         names = [f"{tick:g}" for tick in axis.ticks] if axis.names is None else axis.names
         return ticker.FixedLocator(axis.ticks), ticker.FixedFormatter(names)
-    if axis.log:
-        # Most data span little more than a decade: one tick in each would be too few.
-        subs = (1,) if high >= 100 * low else (1, 2, 5) if high > 5 * low else (1, 1.5, 2, 3, 4, 5, 7)
+    if axis.log and high >= _EVEN_STEPS * low:
+        subs = next((subs for ratio, subs in _LOG_STEPS if high < ratio * low), (1,))
         return ticker.LogLocator(subs=subs), ticker.StrMethodFormatter("{x:g}")
     numbers = ticker.ScalarFormatter(useOffset=False)
     numbers.set_scientific(False)
     labels = ticker.NullFormatter() if axis.names == () else numbers
-    return ticker.MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)), labels
+    return ticker.MaxNLocator(5 if axis.log else most, steps=(1, 2, 2.5, 5, 10)), labels
 
 
 @in_style()

@@ -56,7 +56,7 @@ def _place(drawings: list["_Drawing"], figure: marks.Figure, width: float, heigh
     """Give all panels frames of one size, such that all that stands outside of the frames has room."""
     shape = figure.rows, figure.columns
     margins = np.zeros((*shape, 4))
-    for final in (False, True):  # what stands beside a frame moves with it
+    for final in (False, False, True):  # what stands beside a frame moves with it
         left, right = margins[..., 0].max(axis=0), margins[..., 1].max(axis=0)
         top, bottom = margins[..., 2].max(axis=1), margins[..., 3].max(axis=1)
         size = (width - (left + right).sum()) / shape[1], (height - (top + bottom).sum()) / shape[0]
@@ -123,6 +123,7 @@ class _Drawing:
         self.y.begin, self.y.end = self.bottom, self.top
         self.drawn: list[str] = []
         self.texts: list[TextBox] = []
+        self.samples: list[tuple[float, float, float, float]] = []  # of the legend, as boxes of texts
         if self.panel.framed:
             self._axes()
         for mark in self.panel.marks:
@@ -134,7 +135,7 @@ class _Drawing:
 
     def margins(self) -> FloatArray:
         """Return how far text and legends reach beyond the frame: left, right, top and bottom."""
-        boxes = np.reshape([text.box() for text in self.texts], (-1, 4))
+        boxes = np.reshape([*self.samples, *(text.box() for text in self.texts)], (-1, 4))
         beyond = (boxes - (self.left, self.right, self.top, self.bottom)) * (-1, 1, -1, 1)
         return as_float_array(beyond.max(axis=0, initial=0.0))
 
@@ -265,6 +266,7 @@ class _Drawing:
         for part, width in zip(parts, widths, strict=True):
             for number, name in enumerate(part):
                 low = top + (number + 0.55) * row
+                self.samples.append((left, left + handle, low - row / 2, low + row / 2))
                 for mark in samples[name]:
                     self._add(_sample(mark, left, low, handle))
                 self._write(name, left + step, low, size, vertical="center")

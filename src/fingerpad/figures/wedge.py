@@ -49,9 +49,9 @@ def plot_wedge(axes: Panel, pad: Ellipsoid, *, wedge_angle: float, synthetic: bo
         Line(*np.transpose([low, high, (high[0], low[1]), low]), face=_STEEL, width=0.7),
         *_angle(low, 0.375 * b, wedge_angle, "θ"),
         Line(*np.transpose(platen), face=_STEEL, width=0.7),
-        Text("platen", contact[0], (contact[1] + top) / 2, **_CENTRED),
+        Text("platen", (left + contact[0]) / 2, (contact[1] + top) / 2, **_CENTRED),
         _place(contact),
-        Text("place of contact", *contact, up=-9, **{**_CENTRED, "vertical": "top"}),
+        Text("place of\ncontact", *contact, up=-7, **{**_CENTRED, "vertical": "top"}, halo=_SKIN),
         *synthetic_tag(synthetic),
     )
     axes.x, axes.y, axes.equal = Axis("horizontal (mm)"), Axis("vertical (mm)"), True
@@ -71,7 +71,7 @@ def plot_wedge_in_pad_axes(
     a, b, u = float(pad.palmar), float(pad.distal), float(placement.u)
     contact, normal = placement.point[:2], placement.normal[:2]
     reach = 0.75 * b * np.array([-normal[1], normal[0]])
-    gradient = f"{-normal[0] / normal[1]:.2f}".replace("-", "−") if normal[1] > 1e-12 else "−∞"
+    gradient = f"{-normal[0] / normal[1]:z.2f}".replace("-", "−") if normal[1] > 1e-12 else "−∞"
     platen = f"platen\ndy/dx = −cot θ = {gradient}"
     on_circle = a * np.array([np.cos(u), np.sin(u)])
     length = 0.5 * b
@@ -92,7 +92,7 @@ def plot_wedge_in_pad_axes(
         Text(platen, *(contact - reach), right=6, up=2, vertical="bottom", size=7),
         *synthetic_tag(synthetic),
     )
-    axes.x = Axis("x, palmar (mm)", low=-1.15 * a, high=float(contact[0] + 1.7 * b))
+    axes.x = Axis("x, palmar (mm)", low=-1.15 * a, high=float(contact[0] + 1.9 * b))
     axes.y = Axis("y, distal (mm)", low=-1.1 * b, high=float(max(1.1 * b, contact[1] + 0.8 * b)))
     axes.title, axes.equal = f"u = {np.degrees(u):.1f}°", True
 

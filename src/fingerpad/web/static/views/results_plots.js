@@ -18,7 +18,7 @@ const COMPARED = "radius_from_compliance_mm";
 const QUANTITIES = [
   ["gross_area_mm2", "contact area", "contact area A (mm²)", true],
   ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)", true],
-  [RADIUS, "corrected radius", "corrected radius of curvature (mm)"],
+  [RADIUS, "corrected radius", "corrected radius (mm)"],
   ["indentation_mm", "indentation", "indentation ξ (mm)", true],
   ["aspect_ratio", "aspect ratio", "aspect ratio ℓd/ℓe"],
 ];
