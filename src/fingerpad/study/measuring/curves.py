@@ -79,7 +79,7 @@ class CurveResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CurveItem(OneTaskItem[Curve]):
-    """A loading curve that has a file."""
+    """A loading curve; nothing is measured of one without a file, whose radius was found elsewhere."""
 
     finger: Finger
     photographs: Sequence[PhotographItem]  # needed before the curve is compared with the pad
@@ -115,7 +115,11 @@ class CurveItem(OneTaskItem[Curve]):
         )
 
     def result(self) -> CurveResult:
-        """Return what was found."""
+        """Return what was found, here or elsewhere."""
+        if not self.file:
+            radius, std = self.table.loading_radius_mm, self.table.loading_radius_mm_std
+            assert radius is not None  # the manifest's own rule
+            return CurveResult(manifest=self.table, loading_radius=radius, loading_radius_std=std or math.nan)
         record = self.record
         if "curve" not in record:
             return CurveResult(manifest=self.table, reason=record["reason"])
@@ -198,13 +202,6 @@ def _record(
         found = replace(found, layer=layer)
     values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
     return {"curve": values, "reason": found.reason if found.failed else None}
-
-
-def given_curve(curve: Curve) -> CurveResult:
-    """Return the radius that was found elsewhere."""
-    radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
-    assert radius is not None  # the manifest's own rule, where there is no file
-    return CurveResult(manifest=curve, loading_radius=radius, loading_radius_std=std or math.nan)
 
 
 def curve_result(

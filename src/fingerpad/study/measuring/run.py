@@ -18,7 +18,7 @@ from fingerpad.study.measuring.contacts import (
     repeated_pictures,
 )
 from fingerpad.study.measuring.context import Item, RunContext, resolve_scales
-from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve
+from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names
 from fingerpad.study.measuring.fingers import FingerResult, pad_of, photograph_items
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
@@ -36,12 +36,10 @@ class StudyItems:
         fingers = {finger.name: finger for finger in study.fingers}
         # By finger, without the rejected.
         self.photographs = {finger.name: photograph_items(finger, context) for finger in study.fingers}
-        self.curves = [  # None for one without a file
-            None
-            if name is None
-            else CurveItem(
+        self.curves = [
+            CurveItem(
                 context=context,
-                name=name,
+                name=name or "",
                 table=curve,
                 finger=fingers[curve.finger],
                 photographs=self.photographs[curve.finger],
@@ -56,7 +54,7 @@ class StudyItems:
     def __iter__(self) -> Iterator[Item[Any]]:
         for photographs in self.photographs.values():
             yield from photographs
-        yield from filter(None, self.curves)
+        yield from (one for one in self.curves if one.file)
         yield from self.observations
         yield from self.sequences
 
@@ -66,7 +64,7 @@ class StudyItems:
             yield sequence.stages()
         for finger, photographs in self.photographs.items():
             # Curves are compared with the shape of the pad.
-            curves = [one for one in self.curves if one is not None and one.table.finger == finger]
+            curves = [one for one in self.curves if one.file and one.table.finger == finger]
             stages: list[list[Item[Any]]] = [[*photographs], [*curves]]
             # Each of them has one stage.
             yield ([task for one in items for (task,) in one.stages()] for items in stages)
@@ -150,7 +148,6 @@ def measure_study(
     left = (one for one in items.sequences if one.name not in done)
     on_progress(progress)
     run_plans(items.plans(left), executor, store_result, is_done)
-    curves = zip(items.curves, context.study.curves, strict=True)
     return Measured(
         items=items,
         progress=progress,
@@ -158,7 +155,7 @@ def measure_study(
             one.name: pad_of(one, items.photographs[one.name], context) for one in context.study.fingers
         },
         sequences=[one.result() for one in items.sequences],
-        curves=[given_curve(curve) if item is None else item.result() for item, curve in curves],
+        curves=[one.result() for one in items.curves],
         repeated=list(repeated_pictures(context)),
         operator_pairs=operator_pairs(context, perform),
     )
