@@ -15,7 +15,7 @@ from fingerpad import image
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._files import file_stem, make_folder
 from fingerpad._records import fields_from, from_record
-from fingerpad.exceptions import FingerpadError
+from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
@@ -184,7 +184,7 @@ def photograph_item(finger: Finger, photograph: Photograph) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PhotographItem(OneTaskItem[Photograph]):
-    """A photograph of a finger's face."""
+    """A face of a finger: its photograph, or points of its outline, of which nothing is measured before."""
 
     finger: Finger
 
@@ -199,15 +199,26 @@ class PhotographItem(OneTaskItem[Photograph]):
             scale=self.scale,
         )
 
+    def face(self) -> tuple[image.FaceSemiAxes, PhotographResult | None]:
+        """Return what is known of the face; `FingerpadError` says why nothing is."""
+        if self.table.outline is not None:
+            own = None if self.scale is None else require_scale(self.scale)
+            return outline_face(self.table, own, self.context.folder), None
+        record = self.record
+        if record.get("reason") is not None:
+            raise FingerpadError(record["reason"])
+        assert self.scale is not None
+        scale = require_scale(self.scale)
+        axes = face_in_scale(from_record(image.FaceSemiAxes, record["axes"]), scale.name)
+        found = fields_from(PhotographResult, record)
+        return axes, PhotographResult(manifest=self.table, scale=scale, **found)
+
 
 def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
-    """Return the photographs of a finger that are to be measured: images that are not rejected."""
-    images = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
-    return [
-        PhotographItem(context=context, name=name, finger=finger, table=one)
-        for name, one in images
-        if not context.is_rejected(name)
-    ]
+    """Return the faces of a finger that are not rejected."""
+    named = ((photograph_item(finger, one), one) for one in finger.photographs)
+    items = (PhotographItem(context=context, name=name, finger=finger, table=one) for name, one in named)
+    return [one for one in items if not context.is_rejected(one.name)]
 
 
 def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunContext) -> FingerResult:
@@ -217,17 +228,16 @@ def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunCo
     """
     if finger.semi_axes_mm is not None:
         return given_pad(finger)
-    records, reason = {one.name: one.record for one in photographs}, None
-    named = ((photograph_item(finger, one), one) for one in finger.photographs)
+    reason = None
     try:
-        seen = [
-            _face(one, context, records.get(name)) for name, one in named if not context.is_rejected(name)
-        ]
+        seen = [one.face() for one in photographs]
         if finger.photographs:
             joint = image.combine_faces(face for face, _ in seen)
             results = tuple(result for _, result in seen if result is not None)
             found = finger_from_faces(finger, joint, (one.outline_radii for one in results))
             return replace(found, photographs=results)
+    except StoreError:
+        raise
     except FingerpadError as error:
         reason = in_study(f"finger {finger.name}: {error}", context.folder)
     return FingerResult(
@@ -295,19 +305,3 @@ def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path)
         photograph.face, image.read_outline(folder / photograph.outline), relative_std
     )
     return face if scale is None else face_in_scale(face, scale.name)
-
-
-def _face(
-    photograph: Photograph, context: RunContext, record: Mapping[str, Any] | None
-) -> tuple[image.FaceSemiAxes, PhotographResult | None]:
-    """Return what is known of one face."""
-    if photograph.outline is not None:
-        own = None if photograph.scale is None else require_scale(context.scale(photograph.scale))
-        return outline_face(photograph, own, context.folder), None
-    assert record is not None  # each photograph was measured
-    assert photograph.scale is not None
-    if record.get("reason") is not None:
-        raise FingerpadError(record["reason"])
-    scale = require_scale(context.scale(photograph.scale))
-    axes = face_in_scale(from_record(image.FaceSemiAxes, record["axes"]), scale.name)
-    return axes, PhotographResult(manifest=photograph, scale=scale, **fields_from(PhotographResult, record))

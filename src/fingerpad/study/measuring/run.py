@@ -53,7 +53,7 @@ class StudyItems:
 
     def __iter__(self) -> Iterator[Item[Any]]:
         for photographs in self.photographs.values():
-            yield from photographs
+            yield from (one for one in photographs if one.file)
         yield from (one for one in self.curves if one.file)
         yield from self.observations
         yield from self.sequences
@@ -65,7 +65,7 @@ class StudyItems:
         for finger, photographs in self.photographs.items():
             # Curves are compared with the shape of the pad.
             curves = [one for one in self.curves if one.file and one.table.finger == finger]
-            stages: list[list[Item[Any]]] = [[*photographs], [*curves]]
+            stages: list[list[Item[Any]]] = [[one for one in photographs if one.file], [*curves]]
             # Each of them has one stage.
             yield ([task for one in items for (task,) in one.stages()] for items in stages)
         for observation in self.observations:
