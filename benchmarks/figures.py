@@ -73,7 +73,7 @@ def layer() -> None:
     below[0].plot([], [], color=BLACK, ls=(0, (4, 2)), label="Hertz theory")
     below[0].plot([], [], color=BLACK, label="fast law")
     below[0].plot([], [], color=BLACK, ls="", marker="o", ms=3.5, label="solver, 256² cells")
-    below[0].legend(loc="lower left")
+    below[0].legend(loc="upper left")
     _save(figure, "validation_layer.png")
 
 
