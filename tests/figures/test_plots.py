@@ -382,6 +382,7 @@ def test_agreement_shows_bias_and_limits(axes):
     plot_agreement(axes, first, second, found, quantity="gross area (mm²)")
     assert axes.get_xlabel() == "gross area (mm²), mean of both"
     assert f"bias {100 * found.bias:+.1f} %" in texts(axes)
+    assert f"limit −{-100 * found.limits[0]:.1f} %" in texts(axes)
     assert texts(axes).count("limit") == 2
 
 

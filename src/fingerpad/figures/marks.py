@@ -238,10 +238,8 @@ class Panel(_Record):
         """Return the ends of an axis: those given, else round the data."""
         axis: Axis = getattr(self, name)
         every = np.concatenate([np.empty(0), *(one for mark in self.marks for one in _extent(mark, name))])
-        if axis.log:
-            with np.errstate(all="ignore"):
-                every = np.log10(every)
-        every = every[np.isfinite(every)]
+        every = every[np.isfinite(every) & ((every > 0) | (not axis.log))]
+        every = np.log10(every) if axis.log else every
         low, high = (float(every.min()), float(every.max())) if every.size else (0.0, 1.0)
         if low == high:
             room = math.log10(2) if axis.log else 0.05 * abs(low) or 1.0

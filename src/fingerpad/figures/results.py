@@ -294,9 +294,7 @@ def plot_agreement(
         axes.add(*(Rule("y", 100 * end, dash="--", width=1.0) for end in found.limits))
         lines += [("limit", end) for end in found.limits if np.isfinite(end)]
     for words, value in lines:
-        place = 1.0, 100 * value
-        axes.add(
-            Text(f"{words} {100 * value:+.1f} %", *place, right=3, frame="x", vertical="center", size=6.8)
-        )
+        percent = f"{100 * value:+.1f}".replace("-", "−")
+        axes.add(_level_name(100 * value, f"{words} {percent} %"))
     axes.x = Axis(f"{quantity}, mean of both", margin=0.1)
     axes.y = Axis(f"{names[1]}, difference from {names[0]} (%)", margin=0.2)
