@@ -19,8 +19,12 @@ def layer_spectrum(poisson_ratio: float) -> tuple[Array, Array]:
     return wavenumber, 15 * weight * (compliance(wavenumber, poisson_ratio) - 1)
 
 
-def circular_contacts(sizes: Array, poisson_ratio: float, nodes: int = 48) -> Array:
+def circular_contacts(
+    sizes: Array, poisson_ratio: float, nodes: int = 48, *, thickness_over_radius: float = 0.0
+) -> Array:
     """Return W/W_H and ξ/ξ_H at equal area, and p0/p0_H at equal load, for paraboloids on a bonded layer.
+
+    With a thickness over the radius of curvature, for spheres instead.
 
     With the Hankel transform of the pressure ∫φ(s) cos(qs) ds over the contact's radius, φ satisfies a
     Fredholm equation of the second kind with a smooth kernel; φ vanishes at the edge. Sizes are contact radii
@@ -34,9 +38,13 @@ def circular_contacts(sizes: Array, poisson_ratio: float, nodes: int = 48) -> Ar
         wave = np.cos(wavenumber[:, None] * size * s)
         kernel = (2 / np.pi) * size * (wave.T * weight) @ wave
         at_edge = (2 / np.pi) * size * (np.cos(wavenumber * size) * weight) @ wave
-        sides = (2 / np.pi) * np.stack([np.ones(nodes), -(s**2)], axis=1)
+        # Of a gap r²/2, or of the sphere's: s ∫₀ˢ g'(r)/√(s² − r²) dr.
+        width = max(size * thickness_over_radius, 1e-9)
+        gap = np.append(s, 1.0)
+        gap *= np.arctanh(gap * width) / width
+        sides = (2 / np.pi) * np.stack([np.ones(nodes), -gap[:-1]], axis=1)
         solved = np.linalg.solve(np.eye(nodes) + kernel * step, sides)
-        edge = (2 / np.pi) * np.array([1, -1]) - at_edge @ (step[:, None] * solved)
+        edge = (2 / np.pi) * np.array([1, -gap[-1]]) - at_edge @ (step[:, None] * solved)
         indentation = -edge[1] / edge[0]
         phi = solved @ np.array([indentation, 1])
         load = np.pi * step @ phi

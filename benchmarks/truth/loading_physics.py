@@ -20,6 +20,7 @@ Contact = tuple[Array, Array, Array]
 
 # Incompressible: E* = E/(1 − ν²).
 POISSON = 0.5
+_WIDEST = 0.85  # contact radius of a sphere, over that of curvature
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,19 +69,20 @@ def ellipsoid(ratio: float) -> Callable[[Pad, float], Contact]:
 
 def exact_sphere(pad: Pad, top: float) -> Contact:
     """Press a rigid sphere, not its paraboloid (Sneddon 1965)."""
-    a = pad.radius * np.linspace(0, 0.85, 4000)
+    a = pad.radius * np.linspace(0, _WIDEST, 4000)
     log = np.log((pad.radius + a) / (pad.radius - a))
     load = pad.reduced / 2 * ((a**2 + pad.radius**2) * log - 2 * a * pad.radius)
     keep = load < 1.1 * top
     return (a / 2 * log)[keep], load[keep], (np.pi * a**2)[keep]
 
 
-def layer(thickness: float) -> Callable[[Pad, float], Contact]:
-    """Press a paraboloid on an incompressible layer bonded to bone, without friction at the platen."""
+def layer(thickness: float, *, sphere: bool = False) -> Callable[[Pad, float], Contact]:
+    """Press a paraboloid, or a sphere, on an incompressible layer bonded to bone, without friction."""
 
     def contact(pad: Pad, top: float) -> Contact:
-        a = np.linspace(0, min(2.5 * thickness, 1.5 * pad.radius), 6000)
-        indentation, force = (spline(a / thickness) for spline in _layer_ratios())
+        a = np.linspace(0, min(2.5 * thickness, (_WIDEST if sphere else 1.5) * pad.radius), 6000)
+        ratios = _layer_ratios(thickness / pad.radius if sphere else 0.0)
+        indentation, force = (spline(a / thickness) for spline in ratios)
         load = force * 4 * pad.reduced * a**3 / (3 * pad.radius)
         keep = load < 1.1 * top
         return (indentation * a**2 / pad.radius)[keep], load[keep], (np.pi * a**2)[keep]
@@ -89,10 +91,11 @@ def layer(thickness: float) -> Callable[[Pad, float], Contact]:
 
 
 @cache
-def _layer_ratios() -> tuple[CubicSpline, CubicSpline]:
-    """Indentation and load over Hertz's at the same contact radius a, against a/t."""
-    ratio = np.linspace(0, 2.5, 51)
-    load, indentation, _ = np.vstack([np.ones(3), circular_contacts(ratio[1:], POISSON)]).T
+def _layer_ratios(thickness_over_radius: float) -> tuple[CubicSpline, CubicSpline]:
+    """Indentation and load over Hertz's at the same contact radius a, against a/t; of a sphere of t/R."""
+    ratio = np.linspace(0, min(2.5, _WIDEST / max(thickness_over_radius, 1e-9)), 51)
+    found = circular_contacts(ratio[1:], POISSON, thickness_over_radius=thickness_over_radius)
+    load, indentation, _ = np.vstack([np.ones(3), found]).T
     return CubicSpline(ratio, indentation), CubicSpline(ratio, load)
 
 

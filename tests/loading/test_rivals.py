@@ -139,6 +139,7 @@ def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty()
     [
         ("exact_sphere", {}, exact_sphere, 1e-6),
         ("load_dependent", {"inverse_thickness": 1 / 8}, layer(8.0), 3e-3),
+        ("exact_sphere", {"inverse_thickness": 1 / 8}, layer(8.0, sphere=True), 5e-3),
     ],
 )
 def test_factors_agree_with_an_independent_solution(law, values, contact, tolerance) -> None:
@@ -146,6 +147,21 @@ def test_factors_agree_with_an_independent_solution(law, values, contact, tolera
     of_load, of_area = shape_factors(law, {"loading_radius": 15.0, **values}, xi, 0.5)
     assert of_load * 4 / 3 * PAD.reduced * np.sqrt(15) * xi**1.5 == pytest.approx(load, rel=tolerance)
     assert of_area * np.pi * 15 * xi == pytest.approx(area, rel=tolerance)
+
+
+@pytest.mark.parametrize("name", ["sphere on a layer of 15 mm", "sphere on a layer of 8 mm"])
+def test_bone_and_the_shape_of_the_pad_together_are_within_the_interval(name: str) -> None:
+    fit = fit_loading_curve(curve_of(name))
+    assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
+    assert fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper
+    assert fit.initial_modulus.value > 1.2 * PAD.modulus
+
+
+def test_a_sphere_lies_on_the_stated_layer() -> None:
+    fit = fit_loading_curve(curve_of("sphere on a layer of 8 mm"), thickness=8.0)
+    found = fit.alternatives
+    assert min(found, key=lambda name: found[name].aicc) == "exact_sphere"
+    assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
 
 
 def without_areas(name: str):

@@ -46,6 +46,7 @@ _SHORT: Final = {
     "exact_sphere": "exact sphere",
     "hertz_stage_compliance": "Hertz, yielding stage",
     "hertz_inverse_thickness": "Hertz, layer on bone",
+    "hertz_sphere_inverse_thickness": "sphere, layer on bone",
 }
 _SHOWN_WEIGHT: Final = 0.01
 _LINE_POINTS: Final = 200

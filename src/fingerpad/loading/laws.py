@@ -47,6 +47,7 @@ _WIDEST, THINNEST = 0.98, 2.95
 _WIDEST_PAD, _KNOTS = 1.2, 48  # a/R to which a pad is tabulated, where its laws hold
 _LEAST = 0.2
 _INCOMPRESSIBLE = 0.5
+_SPHERE: Final = (1.0, 0.0, 0.0, 1.0)  # its form, as that of a pad
 # The law whose quantities are stated of a curve.
 MAIN: Final = "load_dependent"
 
@@ -65,6 +66,8 @@ def shape_factors(
     """
     radius, shape = max(values["loading_radius"], 1e-9), LAWS[law].shape
     if shape is not None:
+        if inverse := radius * values.get("inverse_thickness", 0.0):
+            return _on_layer(_SPHERE, inverse, poisson_ratio, np.sqrt(np.maximum(xi, 0.0) / radius))
         load, area = shape(xi / radius)
         return load, area
     if PAD_FORM[0] in values:

@@ -34,7 +34,7 @@ _MIN_AREAS = 20
 FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 
 _FIT_LAYER: Final = f"{GIVE_SEMI_AXES}, and thickness and modulus of the layer are fitted"
-# What each says of the curve; all but the sphere add the parameter of that name.
+# What each says of the curve; all but the sphere add the parameter that the name ends with.
 EXPLANATIONS: Final = {
     "area_offset": "areas with an offset at contact, as from a late camera",
     "area_growth": "an area that is not proportional to indentation",
@@ -43,6 +43,9 @@ EXPLANATIONS: Final = {
     "exact_sphere": "a sphere instead of its paraboloid",
     "hertz_stage_compliance": "one modulus, and a stage that yields under load",
     "hertz_inverse_thickness": "one modulus, and a layer of tissue on bone",
+    # Bone and the sphere's shape bend the force and the areas opposite ways: together they look like neither,
+    # and as one Hertzian contact of a stiffer pad.
+    "hertz_sphere_inverse_thickness": "one modulus, and a sphere on a layer of tissue on bone",
 }
 _NO_LAW: Final = (
     "under load the force departs from the model by more than its noise before contact, as by a slip: the "
@@ -50,6 +53,7 @@ _NO_LAW: Final = (
 )
 # Of a pad of one modulus, β = 0, which makes room for what looks like a growing one.
 _ONE_MODULUS: Final = "hertz_"
+_SPHERE: Final = "sphere_"  # and of a sphere instead of its paraboloid
 _WITHOUT_AREAS: Final = tuple(
     name
     for name in EXPLANATIONS
@@ -227,7 +231,7 @@ def compare(main: JointFit) -> Comparison:
     plain = [rival.aicc for _, rival in _rivals(main, (_ONE_MODULUS,))]
     reference = min([main.aicc, *plain])
     gains = {name: reference - rival.aicc for name, rival in rivals.items()}
-    if max(gains.get("inverse_thickness", 0.0), gains.get("hertz_inverse_thickness", 0.0)) > FLAGGED:
+    if any(gain > FLAGGED for name, gain in gains.items() if name.endswith("inverse_thickness")):
         # An area of any growth only describes what a layer does to it, and leaves the modulus wrong.
         for found in (rivals, gains):
             found.pop("area_growth", None)
@@ -332,14 +336,19 @@ def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[s
     """Return those explanations that can be fitted and are possible, under the noise of the model."""
     found = []
     for name in names:
-        added = name.removeprefix(_ONE_MODULUS)
+        growing = name.removeprefix(_ONE_MODULUS)
+        added = growing.removeprefix(_SPHERE)
         if added in main.held:
             continue
-        sphere, held = name == "exact_sphere", main.held
-        if added != name:
+        law, held = main.law, main.held
+        if growing != name:
             held = {**held, "load_coefficient": Estimate.symmetric(0.0, 0.0)}
+        if name == "exact_sphere":
+            law, added = name, ""
+        elif added != growing:
+            law = "exact_sphere"
         try:
-            rival = _fit_added(main, "" if sphere else added, name if sphere else main.law, held)
+            rival = _fit_added(main, added, law, held)
             if (possible := _possible(rival, added)) is not None:
                 found.append((name, possible))
         except FAILURES:
