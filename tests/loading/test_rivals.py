@@ -161,6 +161,7 @@ def test_a_sphere_lies_on_the_stated_layer() -> None:
     fit = fit_loading_curve(curve_of("sphere on a layer of 8 mm"), thickness=8.0)
     found = fit.alternatives
     assert min(found, key=lambda name: found[name].aicc) == "exact_sphere"
+    assert fit.flags == ("misfit",)  # areas that a sphere explains far better are not called late
     assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
 
 

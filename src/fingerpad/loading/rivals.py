@@ -236,7 +236,8 @@ def compare(main: JointFit) -> Comparison:
         for found in (rivals, gains):
             found.pop("area_growth", None)
     doubts = {}
-    if gains.get("area_offset", 0.0) > FLAGGED:
+    # Where another explains the areas far better, they are not late.
+    if gains.get("area_offset", 0.0) > max(FLAGGED, max(gains.values()) - FLAGGED):
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
     name = max(gains, key=gains.__getitem__, default="")
     best, best_name = main, ""
