@@ -45,9 +45,10 @@ class Shape {
     this.report(false);
   }
 
-  // What each shape says for itself.
-  /** @param {number} _index of the handle @param {Point} _point */
-  moved(_index, _point) {}
+  // What each shape says for itself; the handles of most are its points.
+  moved(index, point) {
+    this.value[index] = point;
+  }
   /** @param {number} _index @param {Point} _arrow @param {number} _size */
   stepped(_index, _arrow, _size) {}
   draw() {}
@@ -96,10 +97,6 @@ export class Line extends Shape {
 
   write(words) {
     this.label.textContent = words;
-  }
-
-  moved(index, point) {
-    this.value[index] = point;
   }
 
   down(point) {
@@ -211,10 +208,6 @@ export class ThreePoints extends Shape {
       changed,
     });
     this.set([]);
-  }
-
-  moved(index, point) {
-    this.value[index] = point;
   }
 
   /** Set the next point, or move the nearest. */

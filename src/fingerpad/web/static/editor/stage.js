@@ -109,11 +109,9 @@ export class Stage {
   /** @param {number} factor @param {[number, number]} at */
   zoomBy(factor, at = [this.root.clientWidth / 2, this.root.clientHeight / 2]) {
     const zoom = Math.min(60, Math.max(0.02, this.zoom * factor));
-    this.x = at[0] - ((at[0] - this.x) * zoom) / this.zoom;
-    this.y = at[1] - ((at[1] - this.y) * zoom) / this.zoom;
+    const nearer = 1 - zoom / this.zoom;
     this.zoom = zoom;
-    this.fitted = false;
-    this.#draw();
+    this.pan((at[0] - this.x) * nearer, (at[1] - this.y) * nearer);
   }
 
   pan(dx, dy) {

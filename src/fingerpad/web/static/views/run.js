@@ -65,9 +65,7 @@ export class Run {
       ["c", "Stop the run", () => this.#cancel()],
     ]);
     this.#poll().catch(() => {});
-    this.#draw();
-    this.#drawExports();
-    this.#listBundle().catch(() => {});
+    this.update();
     if (rest[0] === "start") {
       history.replaceState(null, "", "#/run");
       this.#start();
