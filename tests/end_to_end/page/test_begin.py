@@ -137,6 +137,36 @@ def require_plot_in_view(page) -> None:
     assert place["y"] + place["height"] < page.viewport_size["height"]
 
 
+def drop(page: Page, target: str, name: str) -> bool:
+    """Drop a file on an element; whether the page keeps the browser from showing it."""
+    return page.locator(target).evaluate(
+        """(element, name) => {
+          const dataTransfer = new DataTransfer();
+          dataTransfer.items.add(new File(["time_s,force_N,displacement_mm\\n0,0,0\\n1,1,1\\n"], name));
+          const what = { bubbles: true, cancelable: true, dataTransfer };
+          return ["dragover", "drop"].every((type) => !element.dispatchEvent(new DragEvent(type, what)));
+        }""",
+        name,
+    )
+
+
+def test_a_dropped_file_is_sent_once_wherever_it_falls(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page)
+    for _ in range(2):
+        empty_tab.go("pad")
+        empty_tab.go("study")
+    for place, target in enumerate(("#work", "#sidebar")):
+        assert drop(page, target, f"curve{place}.csv")
+        page.get_by_role("heading", name=f"{place + 1} new file").wait_for()
+    assert not page.locator(".drop.over").count()
+    empty_tab.go("pad")
+    assert drop(page, "#work", "curve2.csv")
+    settle(page)
+    sent = [re.sub(".*name=", "", url) for url in empty_tab.asked if "/files?name=" in url]
+    assert sent == ["curve0.csv", "curve1.csv"]
+
+
 def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     page = empty_tab.open()
     begin(page)

@@ -85,6 +85,11 @@ bindEverywhere(
 listen();
 explain();
 window.addEventListener("hashchange", () => show());
+// Where no view takes a dropped file, the browser would show it in place of the page.
+for (const type of ["dragover", "drop"])
+  window.addEventListener(type, (event) => {
+    if (/** @type {DragEvent} */ (event).dataTransfer?.types.includes("Files")) event.preventDefault();
+  });
 window.addEventListener("unhandledrejection", (event) => {
   event.preventDefault();
   showError(event.reason);

@@ -53,19 +53,18 @@ export class Drop {
     ]);
   }
 
-  /** Accept drops on all of `area`. */
-  watch(area) {
-    let depth = 0;
+  /** Accept drops anywhere on the page; return what ends it. */
+  watch() {
     const over = (on) => this.root.classList.toggle("over", on);
-    area.addEventListener("dragenter", (event) => (event.preventDefault(), over((depth += 1) > 0)));
-    area.addEventListener("dragleave", () => over((depth -= 1) > 0));
-    area.addEventListener("dragover", (event) => event.preventDefault());
-    area.addEventListener("drop", async (event) => {
-      event.preventDefault();
-      depth = 0;
+    const ended = new AbortController();
+    const on = (type, does) => window.addEventListener(type, does, ended);
+    on("dragover", () => over(true));
+    on("dragleave", () => over(false));
+    on("drop", async (event) => {
       over(false);
       this.send(await filesOf(event.dataTransfer).catch((error) => (showError(error), [])));
     });
+    return () => ended.abort();
   }
 
   async send(files) {

@@ -36,7 +36,7 @@ export class StudyView {
         this.side,
       ]),
     ]);
-    this.drop.watch(root);
+    this.close = this.drop.watch();
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
       ["g", "Go to missing entries", () => this.#showMissing()],
