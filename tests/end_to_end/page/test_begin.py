@@ -167,6 +167,29 @@ def test_a_dropped_file_is_sent_once_wherever_it_falls(empty_tab: Tab) -> None:
     assert sent == ["curve0.csv", "curve1.csv"]
 
 
+def test_entered_semi_axes_are_removed_to_give_photographs(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page)
+    page.get_by_role("button", name="Add a finger").click()
+    enter(page.get_by_label("Name of the finger"), "thumb")
+    dialog = page.get_by_role("dialog", name="Semi-axes of thumb")
+    axes = [dialog.get_by_label(name) for name in ("Palmar", "Distal", "Radial–ulnar")]
+    for field, value in zip(axes, ("7,9", "13,8", "11,8"), strict=True):
+        field.fill(value)
+    dialog.get_by_text("The first ± is needed").wait_for()
+    dialog.get_by_label("±").first.fill("0,2")
+    dialog.get_by_role("button", name="Save").click()
+    page.get_by_role("cell", name="13.80 ± 0.20").wait_for()
+    page.get_by_role("button", name="Semi-axes of thumb").click()
+    for field in axes:  # by keys: a field that is left must not take the focus back
+        field.click()
+        page.keyboard.press("Control+A")
+        page.keyboard.press("Delete")
+    dialog.get_by_role("button", name="Save").click()
+    page.get_by_role("cell", name="13.80 ± 0.20").wait_for(state="detached")
+    assert manifest(empty_tab.folder / "index-finger")["fingers"] == [{"name": "thumb"}]
+
+
 def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     page = empty_tab.open()
     begin(page)

@@ -343,7 +343,9 @@ class Finger(ManifestModel):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.semi_axes_mm is not None and self.photographs:
-            raise ValueError("give either semi_axes_mm or photographs, not both")
+            raise ValueError(
+                "semi-axes are entered (semi_axes_mm), and photographs give them, too: remove either"
+            )
         if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
             raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
         thickness, std = self.effective_thickness_mm, self.effective_thickness_mm_std

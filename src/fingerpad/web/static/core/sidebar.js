@@ -27,7 +27,7 @@ function stepStatus(step) {
   /** @type {Record<string, any>} */
   const states = {
     study: missing ? [`${missing} missing`, "warn"] : ["complete", "good"],
-    scale: study.scales.length ? [`${study.scales.length}`, ""] : ["none yet", "warn"],
+    scale: [`${study.scales.length || "none"}`, ""],
     photographs: [photographs.length ? `${photographs.length}` : "none", ""],
     contacts: doubtful ? [`${doubtful} doubtful`, "warn"] : [counts || "0", ""],
     pad: [`${study.fingers.length || ""}`, ""],
@@ -86,8 +86,7 @@ export function drawSidebar(open, steps) {
 function themeSwitch() {
   const root = document.documentElement;
   const now = root.dataset.theme ?? "auto";
-  const next = { auto: "light", light: "dark", dark: "auto" }[now];
-  const words = { auto: "Auto", light: "Light", dark: "Dark" }[now];
+  const [words, next] = { auto: ["Auto", "light"], light: ["Light", "dark"], dark: ["Dark", "auto"] }[now];
   const change = () => {
     if (next === "auto") {
       delete root.dataset.theme;

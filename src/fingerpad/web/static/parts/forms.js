@@ -129,7 +129,7 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
   const set = (event) => {
     const input = event.currentTarget;
     check(event);
-    if (!input.reportValidity()) return;
+    if (input.validity.customError && !input.reportValidity()) return;
     // It shows the number as it was understood.
     input.value = input.value.trim().replace(",", ".").replace("−", "-");
     if (input.value === last) return;

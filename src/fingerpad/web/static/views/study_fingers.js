@@ -128,19 +128,19 @@ export class FingerTable {
 
   /** @param {Finger} finger */
   async #semiAxes(finger) {
-    const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
-    const asked = AXES.map(([axis, words]) => quantity(words, now[axis], std[axis], { above: 0 }));
-    const inputs = [asked[0].its, ...asked.map(({ value }) => value)];
-    const isEmpty = () => inputs.every(({ value }) => value === "");
+    const { semi_axes_mm: now, semi_axes_mm_std: std } = finger.table ?? {};
+    const asked = AXES.map(([axis, words]) => quantity(words, now?.[axis], std?.[axis], { above: 0 }));
+    const isEmpty = () => asked.every(({ value }) => value.value === "");
     const requireAll = () => {
-      for (const input of inputs) input.required = !isEmpty();
+      for (const input of [asked[0].its, ...asked.map(({ value }) => value)]) input.required = !isEmpty();
     };
     requireAll();
     const words =
-      "Semi-axes of the pad and their standard uncertainty; an empty ± is the first. Or leave all empty.";
-    if (!(await askFor(`Semi-axes of ${finger.name}`, words, asked, requireAll)) || isEmpty()) return;
+      "Semi-axes of the pad with their standard uncertainties. The first ± is needed; an empty one is as " +
+      `the first.${now ? " To give photographs instead, empty the semi-axes." : ""}`;
+    if (!(await askFor(`Semi-axes of ${finger.name}`, words, asked, requireAll))) return;
     const entered = (of) =>
-      Object.fromEntries(AXES.map(([axis], place) => [axis, numberIn(of(asked[place]))]));
+      isEmpty() ? null : Object.fromEntries(AXES.map(([axis], at) => [axis, numberIn(of(asked[at]))]));
     this.tables.change("finger", finger.name, {
       semi_axes_mm: entered(({ value }) => value),
       semi_axes_mm_std: entered(({ its }) => (its.value ? its : asked[0].its)),
