@@ -400,6 +400,7 @@ def simulator_law(
         raise GeometryError(f"loads must be two that ascend, the lowest and the highest, found {loads}")
     load = np.geomspace(ends[0], ends[1], _LOADS)
     holds = not fast_contact(placement, tissue, load=_MARGIN * load[-1]).flag_code
+    inputs = uncertain_inputs(placement, tissue, stds or {}, holds=holds)
     curve = (
         Curve(
             gap=gap,
@@ -411,7 +412,6 @@ def simulator_law(
         if holds
         else solved_curve(placement, tissue, gap, load)
     )
-    inputs = uncertain_inputs(placement, tissue, stds or {}, holds=holds)
     pad = PressedPad(curve=curve, placement=placement, tissue=tissue, inputs=inputs)
     depth = curve.depth(load)
     area, area_std = pad.with_std(lambda each: each.area(depth))

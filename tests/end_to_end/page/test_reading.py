@@ -208,3 +208,16 @@ def test_budget_and_audit(tab: Tab) -> None:
     page.keyboard.press("a")
     page.get_by_text("reproduced with the known misprint").first.wait_for()
     expect(page.locator("table.audit tbody tr")).to_have_count(36)
+
+
+def test_simulators_are_computed_for_the_fingers_in_view(tab: Tab) -> None:
+    page = tab.go("results/budget")
+    page.set_viewport_size({"width": 1280, "height": 300})
+    press(page, "s")
+    page.get_by_text("Table of pressure by depth").first.wait_for()
+    cards = page.locator(".plot-grid > section")
+    asked = [url for url in tab.asked if "/results/simulator?" in url]
+    assert 0 < len(asked) < cards.count()
+    cards.last.scroll_into_view_if_needed()
+    expect(cards.last.get_by_role("status")).to_have_count(0)
+    page.set_viewport_size({"width": 1280, "height": 800})

@@ -156,13 +156,20 @@ function simulatorCard(group, figures, asked) {
     download: "",
   };
   const files = h("div.actions", h("a.button", link, "Files (ZIP)"));
-  const body = h("div.stack-small", h("p.soft", { role: "status" }, "Computing …"));
-  // One after the other, as long as they are shown: each takes the server a while.
-  turn = turn.then(async () => {
+  // As tall as the numbers will be, so that no more cards are in view than then.
+  const waiting = h("p.soft", { role: "status", style: { minHeight: "26rem" } }, "Computing …");
+  const body = h("div.stack-small", waiting);
+  const compute = async () => {
     if (!body.isConnected) return;
     const found = await get("/results/simulator", /** @type {any} */ (query)).catch((error) => error);
     render(body, found instanceof Error ? alarm(found.message) : [simulatorNumbers(found), files]);
-  });
+  };
+  // Those in view, one after the other, as long as they are shown: each takes the server a while.
+  new IntersectionObserver((seen, watcher) => {
+    if (!seen.some(({ isIntersecting }) => isIntersecting)) return;
+    watcher.disconnect();
+    turn = turn.then(compute);
+  }).observe(body);
   // Of the curves of this finger and angle, the first that has the figure.
   const drawn = figures.find(({ name }) => name.replace(/^curve\d+_/, "") === `${group.figure}_simulator`);
   return groupCard(group, drawn, [
