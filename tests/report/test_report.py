@@ -171,6 +171,11 @@ def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path):
     assert "take more contacts" in ellipse
     assert "loading curve" not in ellipse
     assert "press again" not in ellipse
+    (tmp_path / "failed").mkdir()
+    (tmp_path / "failed" / "short.csv").write_text("force_N,displacement_mm\n0,0\n1,1\n")
+    failed = said("failed", 0, 0.01, curve(file="short.csv"))
+    assert "record the loading curve of f at 30° again: it could not be fitted" in failed
+    assert "record a loading curve" not in failed
 
 
 def test_doubtful_input_stands_above_the_figures(demo, tmp_path):

@@ -122,7 +122,10 @@ def test_without_loading_data_no_term_is_made_up(tmp_path):
     assert np.isnan(headline.model_std)
     assert headline.total_std == headline.value_std
     assert "no loading data" in headline.model_from
-    assert named(validity, "radius_against_loading").note == "no loading data of this finger at this angle"
+    assert (
+        named(validity, "radius_against_loading").note
+        == "no fitted loading data of this finger at this angle"
+    )
     assert named(validity, "area_against_load").note == "all contacts that count are at one load"
     (row,) = records(result.rows)
     assert (row["model_verdict"], row["radius_from_indentation_mm_model_std"]) == (HOLDS, None)

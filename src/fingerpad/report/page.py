@@ -189,7 +189,7 @@ def _missing(result: StudyResult, found: Sequence[Answer]) -> Iterator[str]:
         )
     if unloaded := [one.label for one in shaped if math.isnan(one.of.loading_radius_mm)]:
         yield (
-            "Missing: loading data, so that there is no loading radius R_g to compare with: "
+            "Missing: fitted loading data, so that there is no loading radius R_g to compare with: "
             f"{', '.join(unloaded)}."
         )
     kinds = set(result.rows["synthetic"])

@@ -222,17 +222,19 @@ def _to_test_better(curves: Sequence[CurveResult], summaries: Iterable[Summary])
     """Yield what loading data would test that no contact image does."""
     fitted = {curve.manifest.finger_and_wedge for curve in curves if curve.fit}
     doubtful = {curve.manifest.finger_and_wedge for curve in curves if not curve.is_plausible}
-    untested: dict[bool, dict[str, None]] = {True: {}, False: {}}  # with a curve that has no areas, or none
+    failed = {curve.manifest.finger_and_wedge for curve in curves if curve.failed}
+    areas = "record contact areas along the loading curve of {}: without, only its ξ is compared"
+    again = "record the loading curve of {} again: it could not be fitted"
+    first = "record a loading curve of {}: no contact image tests its own modulus"
+    untested: dict[str, dict[str, None]] = {areas: {}, again: {}, first: {}}
     for one in summaries:
-        if not (loading_radius(curves, one.finger_and_wedge) or one.finger_and_wedge in doubtful):
-            where = f"{one.finger} at {one.wedge_angle_deg:g}°"
-            untested[one.finger_and_wedge in fitted][where] = None
-    if untested[True]:
-        named = joined(untested[True], _MOST_NAMED)
-        yield f"record contact areas along the loading curve of {named}: without, only its ξ is compared"
-    if untested[False]:
-        named = joined(untested[False], _MOST_NAMED)
-        yield f"record a loading curve of {named}: no contact image tests its own modulus"
+        at = one.finger_and_wedge
+        if not (loading_radius(curves, at) or at in doubtful):
+            wish = areas if at in fitted else again if at in failed else first
+            untested[wish][f"{one.finger} at {one.wedge_angle_deg:g}°"] = None
+    for wish, where in untested.items():
+        if where:
+            yield wish.format(joined(where, _MOST_NAMED))
 
 
 def placement_words(summary: Summary) -> str:

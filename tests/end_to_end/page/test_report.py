@@ -34,6 +34,11 @@ def test_printed_whole(browser, run_demo) -> None:
     shown = "[...document.querySelectorAll('.fold > div')].every(one => one.checkVisibility())"
     assert page.evaluate(shown)
     assert page.evaluate(height) > 8 * folded
+    # The title of a list stands above it, one in a sentence within.
+    titles = "[...document.querySelectorAll('.note > strong')]"
+    display = f"getComputedStyle({titles}.find(one => one.textContent%s)).display"
+    assert page.evaluate(display % ".startsWith('Missing in it')") == "block"
+    assert page.evaluate(display % " === 'Repeatability is missing'") == "inline"
 
 
 def test_fits_a_telephone_and_is_dark_where_asked(browser, run_demo) -> None:

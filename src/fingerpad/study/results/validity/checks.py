@@ -91,7 +91,9 @@ class FingerAtAngle:
         with_radius = self.fits and self.loading is None
         self.of_curves: tuple[str, ...] = HEADLINES if with_radius else (MODULUS, INDENTATION)
         # Why there is no R_g from loading data, and no contact with a radius, where there is none.
-        self.no_loading_radius = NO_AREAS if self.fits else "no loading data of this finger at this angle"
+        self.no_loading_radius = (
+            NO_AREAS if self.fits else "no fitted loading data of this finger at this angle"
+        )
         self.nothing = NOTHING_COUNTS if self.pad.has_semi_axes else "the finger has no semi-axes"
         self.checks = _checks(self)  # of Hertz theory
         self.of_layer = judge_together(tuple(layer_checks(self, curves)))
