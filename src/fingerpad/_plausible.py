@@ -41,8 +41,8 @@ def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
 
 
 def thickness_doubt(thickness_mm: float) -> str:
-    """Return what a thickness of tissue looks like, empty where it can be a fingertip's."""
-    if PLAUSIBLE_THICKNESS_MM[0] <= thickness_mm <= PLAUSIBLE_THICKNESS_MM[1]:
+    """Return what a thickness looks like, empty where it can be a fingertip's or is that of a half-space."""
+    if PLAUSIBLE_THICKNESS_MM[0] <= thickness_mm <= PLAUSIBLE_THICKNESS_MM[1] or thickness_mm == math.inf:
         return ""
     return f"{thickness_mm:g} mm of tissue over bone, as of no fingertip: is the thickness in another unit?"
 

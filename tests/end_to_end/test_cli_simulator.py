@@ -113,7 +113,7 @@ def test_pad_of_a_run_by_its_loading_curve(results, monkeypatch) -> None:
 BAD = [
     (("--wedge-deg", 30), "give --semi-axes-mm"),
     (PAD, "give --youngs-modulus-kpa"),
-    ((*USUAL, "--load-n", 3, 1), "--load-n must ascend"),
+    ((*USUAL, "--load-n", 3, 1), "--load-n 3 1: loads must be two that ascend from above zero"),
     ((*PAD, "--youngs-modulus-kpa", 10), "--load-n 0.2 3: no contact under 3 N"),
     ((*USUAL, "--mass-kg", 1e-8), "--mass-kg 1e-08: effective_mass must be at least"),
     ((*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1), "-std is that of --thickness-mm"),

@@ -1,6 +1,5 @@
 """Fit one loading curve."""
 
-import math
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Annotated, Any
 from typer import Argument, Option, echo
 
 import fingerpad as fp
-from fingerpad._plausible import thickness_doubt, unit_doubts
+from fingerpad._plausible import unit_doubts
 from fingerpad.cli import options, show
 from fingerpad.exceptions import FitError, LoadingError
 
@@ -44,12 +43,9 @@ def estimate_of(
 def _thickness(text: str) -> float:
     """Return a thickness; as text, since numbers on the command line are finite."""
     try:
-        thickness = float(text)
+        return options.noted_thickness(float(text))
     except ValueError:
         raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
-    if thickness < math.inf and (doubt := thickness_doubt(thickness)):
-        show.note(f"--thickness-mm: {doubt}")
-    return thickness
 
 
 @options.takes(

@@ -97,15 +97,11 @@ def _cell(value: str | float | None) -> str:
     return f"{value:.5g}" if isinstance(value, float) else value
 
 
-def print_law_flag(flag: str | None) -> None:
-    """Say what takes a contact out of the range of the fast laws, if anything does."""
-    if flag:
-        typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
-
-
-def print_hertz_flag(flag: str | None) -> None:
-    """Say where Hertz theory ignores a thickness that matters."""
-    if flag == "thickness_ignored":
+def print_flags(fast: str | None, hertz: str | None) -> None:
+    """Say what takes a contact out of the range of the fast laws, and where Hertz theory ignores a layer."""
+    if fast:
+        typer.echo(f"The fast laws do not hold here: {fast.replace('_', ' ')}")
+    if hertz == "thickness_ignored":
         typer.echo("Hertz theory takes the layer for deep tissue")
 
 
@@ -221,18 +217,16 @@ def modulus(
         )
     by_hertz, whole = records
     tissue = fp.Tissue(1.0, poisson_ratio, thickness_mm or math.inf)
-    hertz_flag = str(fp.hertz_contact(placement, tissue, area=by_hertz["area_mm2"]).flags)
+    by_hertz["flag"] = str(fp.hertz_contact(placement, tissue, area=by_hertz["area_mm2"]).flags) or None
     for doubt in load_doubts(load_n, by_hertz["youngs_modulus_kpa"]):
         show.note(doubt)
 
     def print_table(_: Mapping[str, Any]) -> None:
         print_side_by_side({"whole pad": whole, "Hertz": by_hertz})
-        print_law_flag(flag)
-        print_hertz_flag(hertz_flag)
+        print_flags(flag, by_hertz["flag"])
         area = by_hertz["area_mm2"] / math.pi
         print_if_too_large(math.sqrt(area / (gap.first_radius * gap.second_radius)))
 
-    by_hertz |= {"flag": hertz_flag or None}
     record = {**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": by_hertz}
     show.result(record, as_json, print_table)
 
@@ -279,8 +273,7 @@ def _print_solved(record: Mapping[str, Any]) -> None:
     plainly = plain(record)
     others = {name: plainly.pop(name) for name in ("fast", "hertz")}
     print_side_by_side({"solved": plainly, **others})
-    print_law_flag(others["fast"]["flag"])
-    print_hertz_flag(others["hertz"]["flag"])
+    print_flags(others["fast"]["flag"], others["hertz"]["flag"])
 
 
 @options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)

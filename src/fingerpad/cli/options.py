@@ -16,24 +16,22 @@ from fingerpad.exceptions import GeometryError, LoadingError
 from fingerpad.units import KPA_PER_MPA
 
 
-def positive(words: str, **settings: Any) -> Any:
-    """Return an option whose value, if it is given, must be positive and finite."""
-    return Option(help=words, callback=_require_positive, **settings)
+def positive(words: str, look: Callable[[Any], Any] = lambda value: value, **settings: Any) -> Any:
+    """Return an option whose value, if it is given, must be positive and finite, and is then looked at."""
+
+    def check(flag: CallbackParam, value: Any) -> Any:
+        for number in value if isinstance(value, tuple) else (value,):
+            if number is not None and not 0 < number < math.inf:
+                raise GeometryError(f"{flag.opts[0]} must be positive and finite, found {number:g}")
+        return value if value is None else look(value)
+
+    return Option(help=words, callback=check, **settings)
 
 
-def _require_positive(flag: CallbackParam, value: Any) -> Any:
-    """Refuse a value that is given but not positive and finite."""
-    for number in value if isinstance(value, tuple) else (value,):
-        if number is not None and not 0 < number < math.inf:
-            raise GeometryError(f"{flag.opts[0]} must be positive and finite, found {number:g}")
-    return value
-
-
-def _check_thickness(flag: CallbackParam, value: float | None) -> float | None:
-    """Refuse a thickness that is not positive and finite, and note one that no fingertip has."""
-    _require_positive(flag, value)
-    if value is not None and (doubt := thickness_doubt(value)):
-        show.note(f"{flag.opts[0]}: {doubt}")
+def noted_thickness(value: float) -> float:
+    """Note a thickness that no fingertip has, and return it."""
+    if doubt := thickness_doubt(value):
+        show.note(f"--thickness-mm: {doubt}")
     return value
 
 
@@ -57,11 +55,7 @@ RollAngle: TypeAlias = Annotated[
 YoungsModulus: TypeAlias = Annotated[float, positive("Young's modulus E of the tissue, kPa.")]
 Thickness: TypeAlias = Annotated[
     float | None,
-    Option(
-        help="Effective thickness of the tissue over bone, mm.",
-        callback=_check_thickness,
-        show_default="half-space",
-    ),
+    positive("Effective thickness of the tissue over bone, mm.", noted_thickness, show_default="half-space"),
 ]
 PoissonRatio: TypeAlias = Annotated[float, Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")]
 

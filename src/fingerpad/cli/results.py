@@ -63,16 +63,13 @@ def figure(
     from fingerpad.figures.marks import Figure
     from fingerpad.figures.publish import FigureSettings, save_figure
 
-    (x_low, x_high), (y_low, y_high) = _range("--x-range", x_range), _range("--y-range", y_range)
+    ranges = _range("x", x_range) | _range("y", y_range)
     try:
         settings = FigureSettings(
             width_mm=width_mm,
             height_mm=height_mm,
             font_pt=font_pt,
-            x_low=x_low,
-            x_high=x_high,
-            y_low=y_low,
-            y_high=y_high,
+            **ranges,
             x_scale=x_scale,
             y_scale=y_scale,
             colours=colours,
@@ -91,12 +88,12 @@ def figure(
     typer.echo(f"Wrote {out}")
 
 
-def _range(option: str, text: str) -> tuple[float | None, float | None]:
+def _range(axis: str, text: str) -> dict[str, float | None]:
     try:
         low, high = (float(end) if end else None for end in text.split(":"))
     except ValueError:
-        raise FigureError(f"{option}: takes two numbers separated by a colon, found {text!r}") from None
-    return low, high
+        raise FigureError(f"--{axis}-range: takes two numbers separated by a colon, found {text!r}") from None
+    return {f"{axis}_low": low, f"{axis}_high": high}
 
 
 def export(

@@ -67,8 +67,6 @@ def simulator(
     """
     from fingerpad.simulator import elements_or_reason, export_finger
 
-    if not 0 < load_n[0] < load_n[1]:
-        raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
     source = ""
     if results is None:
         if semi_axes_mm is None or youngs_modulus_kpa is None:

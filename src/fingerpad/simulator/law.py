@@ -397,7 +397,7 @@ def simulator_law(
         )
     ends = as_float_array(loads, "loads")
     if ends.shape != (2,) or not (0 < ends[0] < ends[1] < np.inf):
-        raise GeometryError(f"loads must be two that ascend, the lowest and the highest, found {loads}")
+        raise GeometryError(f"loads must be two that ascend from above zero, found {loads}")
     load = np.geomspace(ends[0], ends[1], _LOADS)
     holds = not fast_contact(placement, tissue, load=_MARGIN * load[-1]).flag_code
     inputs = uncertain_inputs(placement, tissue, stds or {}, holds=holds)
