@@ -55,6 +55,15 @@ def test_two_rows_beyond_the_noise_are_no_contact() -> None:
     assert contact_by_threshold(displacement, load) == pytest.approx(1.22, abs=0.021)
 
 
+def test_a_curve_that_begins_at_contact_is_fitted() -> None:
+    """Displacements that were set to zero at contact put it where a step in proportion is none."""
+    displacement = np.linspace(0, 2.4, 201).round(4)
+    noise = 0.002 * np.sin(0.4 * np.arange(201))
+    load = (0.45 * displacement**1.5 + noise).round(4)
+    fit = fit_loading_curve(LoadingCurve(load=load, indentation=displacement), **DEEP)
+    assert abs(fit.contact_offset.value) < fit.contact_offset.std < 0.05
+
+
 def test_growing_modulus() -> None:
     fit = fit_of_curve()
     assert fit.preferred_model == "load_dependent"

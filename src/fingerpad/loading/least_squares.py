@@ -24,6 +24,8 @@ Linear: TypeAlias = Mapping[str, FloatArray]
 
 _NONE: Final[Linear] = MappingProxyType({})
 _STEP = np.finfo(float).eps ** (1 / 3)
+# A parameter below this is zero but for rounding: a step in proportion would be lost in the data.
+_ZERO = 1e-8
 # Singular values of the Jacobian, its columns scaled to one, below which parameters are indistinguishable.
 _SINGULAR = 1e-12
 _HIGHEST_ORDER = 3
@@ -220,7 +222,7 @@ def _jacobian(residuals: Residuals, names: Sequence[str], linear: Linear, values
         if name in linear:
             columns.append(linear[name])
             continue
-        step = _STEP * (abs(value) or 1.0)
+        step = _STEP * (abs(value) if abs(value) > _ZERO else 1.0)
         upper, lower = values.copy(), values.copy()
         upper[k], lower[k] = value + step, value - step
         columns.append((residuals(upper) - residuals(lower)) / (upper[k] - lower[k]))
