@@ -176,8 +176,7 @@ def test_entered_semi_axes_are_removed_to_give_photographs(empty_tab: Tab) -> No
     axes = [dialog.get_by_label(name) for name in ("Palmar", "Distal", "Radial–ulnar")]
     for field, value in zip(axes, ("7,9", "13,8", "11,8"), strict=True):
         field.fill(value)
-    dialog.get_by_text("The first ± is needed").wait_for()
-    dialog.get_by_label("±").first.fill("0,2")
+    dialog.get_by_label("± (needed)").fill("0,2")
     dialog.get_by_role("button", name="Save").click()
     page.get_by_role("cell", name="13.80 ± 0.20").wait_for()
     page.get_by_role("button", name="Semi-axes of thumb").click()

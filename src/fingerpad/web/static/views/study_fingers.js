@@ -10,14 +10,10 @@ import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js"
 const PAGE = 12;
 
 /** The fields of a length and its uncertainty. @param {{ min?: number, above?: number }} limits of both */
-export function quantity(words, now, std, limits) {
+export function quantity(words, now, std, limits, ofStd = "± (standard uncertainty)") {
   const [value, its] = [now, std].map((each) => number({ value: each, ...limits }));
   const unit = "mm";
-  return {
-    value,
-    its,
-    fields: [field(words, value, { unit }), field("± (standard uncertainty)", its, { unit })],
-  };
+  return { value, its, fields: [field(words, value, { unit }), field(ofStd, its, { unit })] };
 }
 
 /** Ask for quantities; whether they are to be saved. */
@@ -129,15 +125,17 @@ export class FingerTable {
   /** @param {Finger} finger */
   async #semiAxes(finger) {
     const { semi_axes_mm: now, semi_axes_mm_std: std } = finger.table ?? {};
-    const asked = AXES.map(([axis, words]) => quantity(words, now?.[axis], std?.[axis], { above: 0 }));
+    const asked = AXES.map(([axis, words], at) =>
+      quantity(words, now?.[axis], std?.[axis], { above: 0 }, at ? "± (if empty, the first)" : "± (needed)"),
+    );
     const isEmpty = () => asked.every(({ value }) => value.value === "");
     const requireAll = () => {
       for (const input of [asked[0].its, ...asked.map(({ value }) => value)]) input.required = !isEmpty();
     };
     requireAll();
     const words =
-      "Semi-axes of the pad with their standard uncertainties. The first ± is needed; an empty one is as " +
-      `the first.${now ? " To give photographs instead, empty the semi-axes." : ""}`;
+      "Semi-axes of the pad with their standard uncertainties." +
+      (now ? " To give photographs instead, empty the semi-axes." : "");
     if (!(await askFor(`Semi-axes of ${finger.name}`, words, asked, requireAll))) return;
     const entered = (of) =>
       isEmpty() ? null : Object.fromEntries(AXES.map(([axis], at) => [axis, numberIn(of(asked[at]))]));
