@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
@@ -113,18 +113,7 @@ def simulator(
     files: tuple[Path, ...] = ()
     if export is not None:
         files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
-    show.result(_record(law, mujoco, elements), as_json, lambda _: _print(law, mujoco, elements))
-    if files and not as_json:
-        typer.echo(f"Files in {export}: {', '.join(file.name for file in files)}")
-    if mujoco.flag:
-        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
-
-
-def _record(
-    law: "SimulatorLaw", mujoco: "MujocoContact", elements: "FiniteElements | None"
-) -> dict[str, Any]:
-    """Return all targets, and the law as a table."""
-    return {
+    record = {
         "pressure_by_depth": law.pressure_by_depth().as_record(),
         "newton": law.newton_kh().as_record(),
         "drake": law.drake_modulus().as_record(),
@@ -132,6 +121,11 @@ def _record(
         "finite_elements": elements.as_record() if elements else None,
         "table": law.as_record(),
     }
+    show.result(record, as_json, lambda _: _print(law, mujoco, elements))
+    if files and not as_json:
+        typer.echo(f"Files in {export}: {', '.join(file.name for file in files)}")
+    if mujoco.flag:
+        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 
 
 def _print(law: "SimulatorLaw", mujoco: "MujocoContact", elements: "FiniteElements | None") -> None:
