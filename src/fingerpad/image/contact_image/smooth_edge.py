@@ -285,11 +285,7 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     far = max(6.0, reach * radius)
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
-    out = as_float32(across)
-    x, y = (as_float32(points[:, [k]]) + as_float32(outward_normals(points)[:, [k]]) * out for k in (0, 1))
-    profiles = as_float32(
-        cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=math.nan)
-    )
+    profiles = _profiles(points, signal, across)
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
         across, profiles = across[seen], profiles[:, seen]
@@ -351,6 +347,14 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     )
 
 
+def _profiles(points: FloatArray, signal: Float32Array, across: FloatArray) -> Float32Array:
+    """Return the levels across an outline, a row for each point; NaN beyond the picture."""
+    out, normals = as_float32(across), outward_normals(points)
+    x, y = (as_float32(points[:, [k]]) + as_float32(normals[:, [k]]) * out for k in (0, 1))
+    levels = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=math.nan)
+    return as_float32(levels)
+
+
 def _first_fringe(beyond: FloatArray, top: float, bottom: float) -> tuple[int, float]:
     """Return how many samples beyond an edge a profile is first least, and how far below the ground then.
 
@@ -366,10 +370,8 @@ def _reflected_bend(step: Step, signal: Float32Array) -> float:
     There the picture steps once more beyond it. An outline that follows the side of a reflection in place of
     the edge is straight or has a dent.
     """
-    far = step.radius * np.linspace(*_BEYOND, 40)[:, None, None]
-    x, y = np.moveaxis(as_float32(step.points + far * outward_normals(step.points)), -1, 0)
-    levels = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=math.nan)
-    spread = np.subtract(*np.percentile(levels, (95, 5), axis=0))  # NaN where the picture ends
+    levels = _profiles(step.points, signal, step.radius * np.linspace(*_BEYOND, 40))
+    spread = np.subtract(*np.percentile(levels, (95, 5), axis=1))  # NaN where the picture ends
     if not np.isfinite(spread).any():
         return math.inf
     reflected = spread > np.nanmedian(spread) + SMOOTH.beyond * step.height

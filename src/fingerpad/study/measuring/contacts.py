@@ -129,21 +129,30 @@ def measure_observation(
     """Measure one observation and write its overlay; the person's verdict is added by `reviewed`."""
     if observation.ellipse_mm is not None:
         return _given_ellipse(observation.ellipse_mm, None if scale is None else require_scale(scale))
-    assert observation.file is not None  # the manifest's own rule
-    assert scale is not None
+    assert scale is not None  # the manifest's own rule
     found = require_scale(scale)
-    pixels = levels_of(folder / observation.file, colour=observation.surface == "smooth")
-    seen = apply.ContactPicture(pixels, found.scale, observation, folder).measured(correction)
+    picture = _picture(observation, found, folder)
+    seen = picture.measured(correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
         return with_automatic_axes(Measurement(reason=in_study(seen.reason, folder)), seen)
     overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
     write_overlay(
-        out / overlay, pixels, seen.contact_image, label="synthetic" if observation.synthetic else None
+        out / overlay,
+        picture.pixels,
+        seen.contact_image,
+        label="synthetic" if observation.synthetic else None,
     )
     measured = from_contact_image(seen.contact_image, observation, found)
     return replace(with_automatic_axes(measured, seen), overlay=str(overlay))
+
+
+def _picture(observation: Observation, found: FoundScale, folder: Path) -> apply.ContactPicture:
+    """Return the picture of an observation, which has one, with its colours where these count."""
+    assert observation.file is not None  # as its task was made
+    pixels = levels_of(folder / observation.file, colour=observation.surface == "smooth")
+    return apply.ContactPicture(pixels, found.scale, observation, folder)
 
 
 def with_automatic_axes(measured: Measurement, seen: apply.CorrectedContactImage) -> Measurement:
@@ -343,12 +352,7 @@ def _compare(
     folder: Path,
     _out: Path,
 ) -> Record:
-    assert observation.file is not None  # as the task was made
-    pixels, found = (
-        levels_of(folder / observation.file, colour=observation.surface == "smooth"),
-        require_scale(scale),
-    )
-    picture = apply.ContactPicture(pixels, found.scale, observation, folder)
+    picture = _picture(observation, require_scale(scale), folder)
     regions, record = [], Record()
     for name, active in {"first": one, "second": other}.items():
         seen = picture.measured(apply.contact_correction(active)).contact_image
