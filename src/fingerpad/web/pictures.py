@@ -40,7 +40,7 @@ class ImageLocation:
 
     @property
     def stamp(self) -> Hashable:
-        """A stamp that changes with the file, or with the frame's own file in a folder."""
+        """A stamp that changes with the file, or the frame's own in a folder, and with how it is read."""
         path = self.path
         try:
             if self.frame is not None and path.is_dir():
@@ -49,7 +49,7 @@ class ImageLocation:
             status = path.stat()
         except OSError as error:
             raise RequestError.not_there(f"{self.path.name}: the file is no longer there") from error
-        return str(path), self.frame, status.st_size, status.st_mtime_ns, status.st_ino
+        return str(path), self.frame, self.colour, status.st_size, status.st_mtime_ns, status.st_ino
 
     @property
     def shown(self) -> "ImageLocation":
@@ -115,7 +115,7 @@ class Pictures:
     def pixels(self, place: ImageLocation) -> npt.NDArray[Any]:
         """Return an image as it is measured, in colour where that matters, or else in grey levels."""
         with self._decoding:
-            return self._decoded.get((place.stamp, place.colour), lambda: self._read(place))
+            return self._decoded.get(place.stamp, lambda: self._read(place))
 
     def grey(self, place: ImageLocation) -> npt.NDArray[Any]:
         """Return an image in grey levels, as for contact images."""
