@@ -433,7 +433,7 @@ def test_init_then_run(tmp_path: Path) -> None:
     modulus, radius = r"modulus 67.1 ± 5.0 kPa \(2 N\), bone unknown", "corrected radius 13.80 ± 0.90 mm"
     finger = rf"^left_index, 30° \(synthetic\): {modulus}; Hertz theory fails \(.*\); {radius}\.$"
     assert re.search(finger, out, re.M)
-    assert "fails where by more than 20%" in out
+    assert "fails where by more than 20 %" in out
     names = {"report.html", "results.csv", "results_columns.csv", "results.json", "summary.json"}
     assert names <= {path.name for path in (study / "results").iterdir()}
     assert {path.name for path in tmp_path.iterdir()} == {"mine"}
@@ -442,6 +442,16 @@ def test_init_then_run(tmp_path: Path) -> None:
         assert run("verify", named)[0] == 0
     assert "Run it: fingerpad run" in printed("init", "--example", tmp_path / "example")
     assert (tmp_path / "example" / "study.toml").is_file()
+
+
+def test_pages_say_what_a_run_of_the_example_prints(run_example: Path, tmp_path: Path) -> None:
+    answer, meaning = printed("run", shutil.copytree(run_example, tmp_path / "example")).splitlines()[:2]
+    assert answer.startswith("synthetic_pad, 30° (synthetic): modulus")
+    docs = Path(__file__).parents[2] / "docs"
+    assert f"\n    {answer}\n" in (docs / "index.md").read_text(encoding="utf-8")
+    assert f"\n    {answer}\n    {meaning}\n" in (docs / "tutorial" / "command-line.md").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_init_from_files(run_example: Path, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Frames of folders, TIFF stacks and videos: order, damage, and memory that does not grow with length."""
 
+import math
 import tracemalloc
 from pathlib import Path
 
@@ -243,3 +244,4 @@ def test_a_clock_follows_the_numbers_of_file_names(tmp_path):
         assert sequence_summary(seen, frames=frames, clock=of).notes == notes
     by_contact = FrameRate(10, anchor_time=2.0, anchor_frame=None, numbers=frames.numbers)
     assert by_contact.time_of(4, first_contact=3) == pytest.approx(2.5)
+    assert math.isnan(clock.time_of(len(clock.numbers), None))

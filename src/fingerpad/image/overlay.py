@@ -260,7 +260,7 @@ def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]
         lines += [
             (f"{found.face} face, arc {found.arc_deg:.0f}°, {tilt}", INK),
             (f"{len(found.points)} points used", POINT_COLOUR),
-            (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
+            (f"{len(found.outliers)} left out ({100 * found.outlier_fraction:.0f} %)", OUTLIER_COLOUR),
         ]
     else:
         lines.append((f"{found.face} face, ellipse placed manually, {tilt}", INK))

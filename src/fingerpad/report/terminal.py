@@ -21,8 +21,9 @@ def outcome_lines(result: StudyResult) -> Iterator[str]:
     yield from text.fingers_without_results(result)
     if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
         yield (
-            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%} beyond chance, "
-            f"{FAILS} where by more than {FAILS_ABOVE:.0%} far beyond it; in brackets, its largest difference"
+            f"Hertz theory: {STRAINED} where it is off by more than {100 * STRAINED_ABOVE:.0f} % beyond "
+            f"chance, {FAILS} where by more than {100 * FAILS_ABOVE:.0f} % far beyond it; in brackets, its "
+            "largest difference"
         )
     yield from text.doubtful_results(result)
 

@@ -99,7 +99,7 @@ def _problem(step: Step, contrast: float | None) -> str | None:
         )
     if step.score < (SMOOTH.least_score_cut if step.cut else SMOOTH.least_score):
         return (
-            f"{_REFUSED}; the clearest patch shows its edge in {step.seen:.0%} of all directions, "
+            f"{_REFUSED}; the clearest patch shows its edge in {100 * step.seen:.0f} % of all directions, "
             f"{step.width:.3g} px wide at a radius of {step.radius:.3g} px"
         )
     return None

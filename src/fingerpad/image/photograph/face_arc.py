@@ -142,8 +142,8 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     if not known < MAX_RELATIVE_STD:
         raise FitError(
             f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
-            f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
-            "the skin"
+            f"by {100 * known:.0f} %: mark a longer arc, come nearer, or choose a backdrop of another colour "
+            "than the skin"
         )
     average = _average_over_shapes(arc, fit)
     ellipse, share = average.ellipse, 1 - average.weight

@@ -183,7 +183,7 @@ def _off_backdrop(small: Float32Array, root: Direction | None) -> tuple[FloatArr
         good = far < max(4.0, 2 * float(np.median(far[good])))
     if good.mean() < 0.4:
         raise ImageError(
-            f"only {good.mean():.0%} of the frame's border shows one backdrop: "
+            f"only {100 * good.mean():.0f} % of the frame's border shows one backdrop: "
             "photograph the finger before a plain backdrop, and leave a margin round the pad"
         )
     surfaces = [quadratic_surface(part, border.shape) for part in factors.T]
@@ -198,12 +198,14 @@ def _finger(distance: FloatArray) -> BoolArray:
     out = distance > max(_MIN_DISTANCE, math.expm1(otsu / 40))
     if out.mean() < _MIN_AREA_SHARE:
         raise ImageError(
-            f"no finger found, {out.mean():.1%} of the photograph stands out from the backdrop: "
+            f"no finger found, {100 * out.mean():.1f} % of the photograph stands out from the backdrop: "
             "choose a backdrop of another colour than the skin, or come nearer"
         )
     mask = distance > max(_MIN_DISTANCE, _SHARE_OF_CONTRAST * float(np.median(distance[out])))
     if mask.mean() > _MAX_AREA_SHARE:
-        raise ImageError(f"{mask.mean():.0%} of the photograph would be finger: leave a margin of backdrop")
+        raise ImageError(
+            f"{100 * mask.mean():.0f} % of the photograph would be finger: leave a margin of backdrop"
+        )
     return np.asarray(mask, dtype=bool)
 
 

@@ -155,9 +155,9 @@ def _out_of_step(contacts: LoadedFrames, force: ForceSignal | None) -> str | Non
     place = slice(jump, jump + 2)
     (first, then), (below, above), (small, large) = frames[place], loads[place], areas[place]
     return (
-        f"from frame {first:.0f} to {then:.0f} the area grows by {large / small - 1:.0%}, unlike before and "
-        f"after, the force from {below:.3g} to {above:.3g} N: where frames are lost between them, all that "
-        "follow have the load of an earlier time: give the frames' own times (times, or --times)"
+        f"from frame {first:.0f} to {then:.0f} the area grows by {100 * (large / small - 1):.0f} %, unlike "
+        f"before and after, the force from {below:.3g} to {above:.3g} N: where frames are lost between them, "
+        "all that follow have the load of an earlier time: give the frames' own times (times, or --times)"
     )
 
 
@@ -197,8 +197,9 @@ def _unlike_others(contacts: LoadedFrames) -> Iterator[str]:
     # Areas lag behind the force, and those of a held pad grow.
     if larger.size >= _MIN_TESTED and np.quantile(larger, 0.75) < -_LEAST_JUMP:
         yield (
-            f"areas are {-math.expm1(np.median(larger)):.0%} smaller while unloading than while loading "
-            "under the same force, as of no finger: are frames early, or does the force come late or drift?"
+            f"areas are {-100 * math.expm1(np.median(larger)):.0f} % smaller while unloading than while "
+            "loading under the same force, as of no finger: are frames early, or does the force come late or "
+            "drift?"
         )
 
 

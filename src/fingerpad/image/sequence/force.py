@@ -212,10 +212,10 @@ class FrameRate:
         Returns
         -------
         float
-            s, NaN while the anchor is unknown.
+            s, NaN while the anchor is unknown, and past the last of `numbers`.
         """
         anchor = first_contact if self.anchor_frame is None else self.anchor_frame
-        if anchor is None:
+        if anchor is None or (self.numbers is not None and index >= len(self.numbers)):
             return math.nan
         passed = index - anchor if self.numbers is None else self.numbers[index] - self.numbers[anchor]
         return self.anchor_time + passed / self.frames_per_second

@@ -243,7 +243,7 @@ _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
 
 class Shape(NamedTuple):
-    """ln of the length along the finger over that across; of the aspect ratio where it is not `known`."""
+    """ln of length along the finger over width across; of the aspect ratio where it is not `known`."""
 
     measured: float
     std: float
