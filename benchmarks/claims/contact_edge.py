@@ -72,7 +72,7 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
     (summary,) = pool_contacts(rows)
     assert summary.corrected_radius is not None  # nothing fails
     pooled = summary.corrected_radius
-    return (pooled.value - TRUE_RADIUS) / pooled.std
+    return (pooled.value - TRUE_RADIUS) / pooled.total_std
 
 
 def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> Array:

@@ -22,7 +22,7 @@ def simulated_study(seed: int) -> tuple[float, float, float, bool]:
     pooled = summary.corrected_radius
     assert pooled is not None  # nothing simulated is doubtful
     row = rows.table.iloc[3]
-    low, high = pooled.random.interval
+    low, high = pooled.interval
     return (
         (row["radius_from_indentation_mm"] - radius) / row["radius_from_indentation_mm_std"],
         (row["reduced_modulus_kpa"] - 1000 * TRUTH.modulus) / row["reduced_modulus_kpa_std"],

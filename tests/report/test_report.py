@@ -23,6 +23,7 @@ from fingerpad.report.repeatability import borrowed
 from fingerpad.report.templates import signed_with_uncertainty, typeset
 from fingerpad.report.text import (
     face_differences,
+    interval_difference,
     moduli_apart,
     p_words,
     pooling_words,
@@ -147,7 +148,7 @@ def test_the_answers_come_first_and_in_few_words(demo):
     invalid = [check for check in result.checks if check and not check.valid]
     assert text.count('<code>method = "monte_carlo"</code>') == len(invalid) > 0
     for check in invalid:
-        assert f"{two_digits(check.interval_difference)} mm</span>" in text
+        assert f"{two_digits(interval_difference(check))} mm</span>" in text
 
 
 def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path):

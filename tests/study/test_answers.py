@@ -92,7 +92,7 @@ def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path):
         assert math.isnan(alone.youngs_modulus_kpa)
         assert math.isnan(alone.youngs_modulus_on_layer_kpa)
     (summary,), (validity,) = without.summaries, without.validities
-    assert summary.corrected_radius is summary.compliance_radius is summary.layer is None
+    assert summary.corrected_radius is summary.compliance_radius is summary.on_layer is None
     growth = next(one for one in validity.checks if one.check == "area_against_load")
     assert growth.value == pytest.approx(2 / 3)
     assert validity.verdict == "not tested"  # an exponent alone tests no theory

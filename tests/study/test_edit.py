@@ -22,7 +22,7 @@ from tests.studies import PAD, append_tables, correct, finger, sequence
 from fingerpad.exceptions import EditConflict, FingerpadError, ManifestError, StoreError
 from fingerpad.study import journal
 from fingerpad.study.editing import edit
-from fingerpad.study.editing.edit import Edit, change_study, create_study, folded, title_of, unfolded
+from fingerpad.study.editing.edit import Edit, change_study, create_study, folded, unfolded
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME, LOCK_NAME, recover, replace_files
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, is_as_read, load_study, read_study
@@ -504,18 +504,6 @@ def test_sequences_and_results_are_no_loose_pictures(folder):
     words = said(folder)
     assert words.pop(("folder", "press")).startswith("30 pictures")
     assert set(words) == {("file", "c.png")}
-
-
-def test_a_title_is_read_at_a_glance_or_left_alone(tmp_path):
-    titles = {
-        'title = "Left index"\n[[fingers]]\nname = "f"': "Left index",
-        '# a comment\ntitle = "[1] of two"\n': "[1] of two",
-        'description = """\n[note] of old\n"""\ntitle = "Hidden"': None,
-        **dict.fromkeys(("title = 3", "[scales]", "title = "), None),
-    }
-    for text, title in titles.items():
-        (tmp_path / "study.toml").write_text(text)
-        assert title_of(tmp_path) == title, text
 
 
 # Files changed as one: nothing is changed where one of them cannot be, and a journal leads nowhere else

@@ -12,8 +12,9 @@ from tests.studies import Table, contact, curve, finger, run, summary_of, write_
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
+from fingerpad.study.results.layer import POOLED_ON_LAYER, LayerQuantity, curve_on_layer
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import CurveOnLayerRecord
 from fingerpad.study.results.table import COLUMNS, records
 from fingerpad.uncertainty import LAYER_SOURCES
 
@@ -76,11 +77,11 @@ def test_a_thickness_changes_nothing_else_and_is_exact_without_an_uncertainty(tm
 def test_out_of_range_is_named_and_not_pooled(tmp_path, thickness, major, flag):
     result = study(tmp_path, thickness, contacts=[(2, major)])
     (row,), (summary,) = records(result.rows), result.summaries
-    assert row["layer_flag"] == summary.layer.flag == flag
+    assert row["layer_flag"] == summary.on_layer.highest_load.layer_flag == flag
     assert "layer_out_of_range" in row["range_notes"]
     assert row["youngs_modulus_on_layer_kpa_std"] is None
     assert (row["youngs_modulus_on_layer_kpa"] is None) == (flag != "uncertainty_out_of_range")
-    assert summary.layer.pooled["youngs_modulus_on_layer"] is None
+    assert math.isnan(summary.on_layer.pooled.youngs_modulus_on_layer_kpa)
     record = summary_of(tmp_path / "out")["summaries"][0]["on_layer"]
     assert record["pooled"]["youngs_modulus_on_layer_count"] == 0
     assert record["highest_load"]["layer_flag"] == flag
@@ -105,41 +106,40 @@ def test_monte_carlo(tmp_path):
 
 def test_one_contact_is_its_own_mean(tmp_path):
     result = study(tmp_path)
-    (row,), layer = records(result.rows), result.summaries[0].layer
-    assert (layer.observation, layer.load, layer.flag) == ("c0", 2.0, "")
+    (row,), layer = records(result.rows), result.summaries[0].on_layer
+    highest = layer.highest_load
+    assert (highest.observation, highest.load_N, highest.layer_flag) == ("c0", 2.0, "")
     for name in POOLED_ON_LAYER:
         unit = "kpa" if "modulus" in name else "mm"
-        for one in (layer.pooled[name], layer.at_highest_load.get(name)):
-            if one is not None:
-                assert one.value == pytest.approx(row[f"{name}_{unit}"])
-                assert one.std == pytest.approx(row[f"{name}_{unit}_std"])
-        budget = layer.pooled[name].budget
+        for record in (layer.pooled, highest):
+            one = LayerQuantity.of(record, name)
+            assert one.value == pytest.approx(row[f"{name}_{unit}"])
+            assert one.std == pytest.approx(row[f"{name}_{unit}_std"])
+        budget = LayerQuantity.of(layer.pooled, name).budget
         assert set(budget) == {*LAYER_SOURCES, "scatter"}
         assert sum(budget.values()) == pytest.approx(1)
-        assert layer.pooled[name].count == 1
-    assert layer.at_highest_load["youngs_modulus_on_layer"].budget["thickness"] == pytest.approx(
-        layer.pooled["youngs_modulus_on_layer"].budget["thickness"]
-    )
+        assert getattr(layer.pooled, f"{name}_count") == 1
+    shares = (record.youngs_modulus_on_layer_variance_shares for record in (layer.pooled, highest))
+    pooled, alone = (of["thickness"] for of in shares)
+    assert alone == pytest.approx(pooled)
 
 
 def test_the_thickness_does_not_average_away(tmp_path):
-    one, many = (study(tmp_path, contacts=[(2, 7.4)] * count).summaries[0].layer for count in (1, 30))
-    name = "youngs_modulus_on_layer"
-    alone, pooled = one.pooled[name], many.pooled[name]
+    one, many = (study(tmp_path, contacts=[(2, 7.4)] * count).summaries[0].on_layer for count in (1, 30))
+    alone, pooled = (LayerQuantity.of(each.pooled, "youngs_modulus_on_layer") for each in (one, many))
     own = sum(alone.budget[source] for source in ("load", "contact ellipse")) * alone.std**2
     expected = math.sqrt(alone.std**2 - own + own / 30)
     assert pooled.std == pytest.approx(expected, rel=1e-6)
-    assert pooled.count == 30
+    assert many.pooled.youngs_modulus_on_layer_count == 30
     assert pooled.value == pytest.approx(alone.value)
 
 
 def test_contacts_out_of_range_are_left_out_of_both_means(tmp_path):
     contacts = [(1, 6.0), (2, 7.4), (4, 14.0)]
-    layer = study(tmp_path, contacts=contacts).summaries[0].layer
-    inside = study(tmp_path, contacts=contacts[:2]).summaries[0].layer
-    assert (layer.observation, layer.load, layer.flag) == ("c1", 2.0, "")
-    assert layer.pooled == inside.pooled
-    assert layer.at_highest_load == inside.at_highest_load
+    layer = study(tmp_path, contacts=contacts).summaries[0].on_layer
+    inside = study(tmp_path, contacts=contacts[:2]).summaries[0].on_layer
+    assert layer.highest_load.observation == "c1"
+    assert layer == inside
 
 
 @cache
@@ -167,7 +167,9 @@ def pressed(tmp_path_factory) -> tuple[StudyResult, Path]:
     return study(folder, THICK, curve(file="c.csv"), curve(loading_radius_mm=20.5)), folder
 
 
-def on_layer(result: StudyResult, thickness: float | None, std: float | None = None) -> CurveOnLayer | None:
+def on_layer(
+    result: StudyResult, thickness: float | None, std: float | None = None
+) -> CurveOnLayerRecord | None:
     pad, stated = (
         result.fingers["f"],
         {"effective_thickness_mm": thickness, "effective_thickness_mm_std": std},
@@ -180,21 +182,22 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed):
     result, folder = pressed
     found, of_no_file = (curve_on_layer(result.study, result.fingers["f"], one) for one in result.curves)
     assert of_no_file is None
-    hertz, layered, radius = found.quantities.values()
+    name = "youngs_modulus_from_indentation_on_layer"
+    hertz = LayerQuantity.of(found, "youngs_modulus_from_indentation")
+    layered = LayerQuantity.of(found, name)
     assert layered.value == pytest.approx(50, rel=0.03)
     assert hertz.value > 2 * layered.value
-    assert radius.value == pytest.approx(20.4, abs=0.2)
-    assert found.contact_shift == pytest.approx(0.09, abs=0.01)
+    assert found.loading_radius_on_layer_mm == pytest.approx(20.4, abs=0.2)
+    assert found.contact_shift_mm == pytest.approx(0.09, abs=0.01)
     assert max(layered.budget, key=layered.budget.__getitem__) == "thickness"
     assert hertz.budget["thickness"] == 0
     # The uncertainty of the thickness moves the place of contact with it: another thickness, all over again.
-    name = "youngs_modulus_from_indentation_on_layer"
-    thin, thick = (on_layer(result, thickness).quantities[name] for thickness in (7.2, 8.8))
+    thin, thick = (LayerQuantity.of(on_layer(result, thickness), name) for thickness in (7.2, 8.8))
     share = layered.budget["thickness"]
     assert layered.std * share**0.5 == pytest.approx((thick.value - thin.value) / 2, rel=0.1)
     record = summary_of(folder / "out")["curves"][0]["on_layer"]
     assert record[f"{name}_kpa"] == pytest.approx(layered.value)
-    assert record["contact_shift_mm"] == pytest.approx(found.contact_shift)
+    assert record["contact_shift_mm"] == pytest.approx(found.contact_shift_mm)
 
 
 @pytest.mark.parametrize(
@@ -203,8 +206,9 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed):
 )
 def test_a_curve_out_of_range_is_named(pressed, thickness, std, flag):
     found = on_layer(pressed[0], thickness, std)
-    hertz, layered, _ = found.quantities.values()
-    assert found.flag == flag
+    hertz = LayerQuantity.of(found, "youngs_modulus_from_indentation")
+    layered = LayerQuantity.of(found, "youngs_modulus_from_indentation_on_layer")
+    assert found.layer_flag == flag
     assert math.isnan(layered.std)
     assert math.isnan(layered.value) == (flag != "uncertainty_out_of_range")
     assert 0 < hertz.std < hertz.value

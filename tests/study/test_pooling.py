@@ -12,6 +12,7 @@ from tests import studies
 from tests.study.measured import AXES, measured, pad
 
 from fingerpad.image import SEMI_AXES
+from fingerpad.report.text import pooled_from
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.manifest.models import Observation
@@ -41,7 +42,7 @@ def test_what_the_pad_is_does_not_average_away(tmp_path):
     one, many = study(tmp_path, majors=[7.0], loads=[1]), study(tmp_path, majors=[7.0] * 30, loads=[1] * 30)
     (alone,), (pooled,) = (result.summaries for result in (one, many))
     geometry = first_record(one.rows)["mean_curvature_radius_mm_std"]
-    assert alone.corrected_radius.std > pooled.corrected_radius.std > 0.98 * geometry
+    assert alone.corrected_radius.total_std > pooled.corrected_radius.total_std > 0.98 * geometry
     assert pooled.corrected_radius.fixed_geometry == pytest.approx(
         alone.corrected_radius.fixed_geometry / np.sqrt(30), rel=1e-6
     )
@@ -63,7 +64,7 @@ def test_scatter_enters_the_budget_and_that_of_repeats_and_of_loads_apart(tmp_pa
     pooled = summary.corrected_radius
     assert pooled.fixed.birge_ratio > 3
     assert pooled.budget["scatter"] > 0.005
-    assert pooled.random.between_std > 0
+    assert pooled.between_std > 0
     (summary,) = study(tmp_path, majors=(7.0, 7.0, 9.0, 9.0), loads=(1, 1, 2, 2)).summaries
     components = summary.corrected_radius.scatter.components
     assert components["repeat"].std == pytest.approx(0, abs=1e-9)
@@ -197,7 +198,7 @@ def test_images_of_one_device_share_its_edge(scales, sizes):
     found = pooled(rows, [0, 1, 2])
     alone = rows.table[f"{OUTPUT}_mm_edge_std"].to_numpy()[0]
     expected = alone * np.linalg.norm(sizes) / 3
-    share = np.sqrt(found.budget["contact edge"]) * found.std
+    share = np.sqrt(found.budget["contact edge"]) * found.total_std
     assert share == pytest.approx(expected, rel=0.02)
 
 
@@ -229,7 +230,7 @@ def test_a_fixed_geometry_leaves_out_the_geometry_only():
     rows = with_parts(modelled(contact(0), contact(1)), second_order, elongation_std=np.zeros(2))
     found = pooled(rows, [0, 1])
     assert found.fixed_geometry == pytest.approx(np.hypot(found.fixed.std, 0.3))
-    assert found.std == pytest.approx(np.sqrt(found.fixed.std**2 + 0.3**2 + 0.5**2))
+    assert found.total_std == pytest.approx(np.sqrt(found.fixed.std**2 + 0.3**2 + 0.5**2))
 
 
 @pytest.mark.parametrize(
@@ -254,7 +255,7 @@ def test_flags_keep_contacts_from_being_pooled(flags, reviewed, counts):
     assert rows.table["pooled"].tolist() == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
     (summary,) = pool_contacts(rows)
-    assert summary.pooled_from == ("2 observations" if counts else "1 of 2 observations")
+    assert pooled_from(summary) == ("2 observations" if counts else "1 of 2 observations")
     assert summary.places.size == 2
 
 

@@ -182,7 +182,7 @@ def test_a_press_unlike_its_repeats_is_told_and_one_of_no_finger_moves_no_other(
         studies.run(tmp_path / "b", finger(), *presses, wrong).summaries,
     )
     assert beside.table.set_index("observation").loc["wrong", "excluding_flags"] == "implausible_modulus"
-    assert beside.corrected_radius.std == pytest.approx(of.corrected_radius.std, rel=1e-12)
+    assert beside.corrected_radius.total_std == pytest.approx(of.corrected_radius.total_std, rel=1e-12)
     # An order of rows that is off by one makes all loads doubtful.
     loads = [2, *(one.keys["load_N"] for one in presses)]
     shifted = [

@@ -21,7 +21,7 @@ from tests.smooth_study import LOADS, area_at, make_smooth_study
 from fingerpad.exceptions import LoadingError, ManifestError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import plots, write_report
-from fingerpad.report.text import doubtful_results, fingers_without_results, sequence_notes
+from fingerpad.report.text import doubtful_results, fingers_without_results, pooled_from, sequence_notes
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.apply import contact_options, frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -119,7 +119,7 @@ def test_a_sequence_given_twice_counts_once_or_not_at_all(study_dir, plain):
     result = run(study_dir, of_frames(), of_frames("q"))
     (once,), (twice,) = plain.summaries, result.summaries
     assert twice.corrected_radius.count == once.corrected_radius.count == 1
-    assert twice.corrected_radius.std == once.corrected_radius.std
+    assert twice.corrected_radius.total_std == once.corrected_radius.total_std
     assert result.notes[0].startswith("p and q are one sequence, which counts once: keep one")
     other = run(study_dir, of_frames(), of_frames("q", wedge=45))
     assert not other.rows["pooled"].any()
@@ -134,7 +134,7 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
         row["radius_from_indentation_mm_fixed_geometry_std"] for row in records(many.rows) if row["pooled"]
     ]
     assert all_.corrected_radius.fixed.std >= min(own)
-    assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
+    assert all_.corrected_radius.total_std == pytest.approx(one.corrected_radius.total_std, rel=0.02)
     again = shutil.copytree(study_dir / "frames", study_dir / "again")
     shutil.copy(
         again / "f0.png", again / "f27.png"
@@ -143,9 +143,9 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir):
     pressed = pressed._replace(keys={**pressed.keys, "file": "again"})
     (two,) = run(study_dir, of_frames(), pressed).summaries
     assert two.corrected_radius.count == 2
-    assert two.pooled_from.endswith("frames of 2 sequences")
+    assert pooled_from(two).endswith("frames of 2 sequences")
     # Pad and wedge are the same for both sequences: most of the uncertainty does not average away.
-    assert two.corrected_radius.std == pytest.approx(all_.corrected_radius.std, rel=0.05)
+    assert two.corrected_radius.total_std == pytest.approx(all_.corrected_radius.total_std, rel=0.05)
 
 
 def test_frames_in_contact_without_load_cost_themselves_only(study_dir):

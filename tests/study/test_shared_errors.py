@@ -8,6 +8,7 @@ import pytest
 from tests.studies import contact, finger, run
 
 from fingerpad.study.compare import compare_studies, means_of
+from fingerpad.study.results.layer import LayerQuantity
 from fingerpad.study.results.study_result import StudyResult
 
 AXES = 7.9, 13.8, 11.8
@@ -36,10 +37,10 @@ def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path):
         value = getattr(at_load, name)
         assert getattr(at_load, f"{name}_other_std") / value == pytest.approx(0.04, rel=0.01)
         assert getattr(at_load, f"{name}_std") / value == pytest.approx(mean, rel=0.03)
-    layer = found.summaries[0].layer.pooled
     for name in ("youngs_modulus", "youngs_modulus_on_layer"):
-        assert layer[name].std / layer[name].value == pytest.approx(mean, rel=0.03)
-        assert layer[name].budget["force gain"] == pytest.approx((0.04 / mean) ** 2, rel=0.06)
+        pooled = LayerQuantity.of(found.summaries[0].on_layer.pooled, name)
+        assert pooled.std / pooled.value == pytest.approx(mean, rel=0.03)
+        assert pooled.budget["force gain"] == pytest.approx((0.04 / mean) ** 2, rel=0.06)
     # A radius does not depend on the load.
     assert "force gain" not in found.summaries[0].corrected_radius.budget
 
@@ -56,7 +57,7 @@ def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path):
     assert row["mean_curvature_radius_mm_std"] == pytest.approx(radius.std(), rel=0.03)
     # The corrected radius is 1/H times a factor of the ellipse, which is the same at each angle.
     pooled = found.summaries[0].corrected_radius
-    geometry = pooled.std**2 - pooled.fixed_geometry**2
+    geometry = pooled.total_std**2 - pooled.fixed_geometry**2
     assert np.sqrt(geometry) / pooled.value == pytest.approx((radius / radius.mean()).std(), rel=0.03)
     assert pooled.budget["jig angle"] == pytest.approx(4 * pooled.budget["wedge angle"], rel=0.05)
 
@@ -64,7 +65,8 @@ def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path):
 def test_unstated_errors_change_nothing(tmp_path):
     found = result(tmp_path, {"load_relative_std": 0.03})
     assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].corrected_radius.budget)
-    assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].layer.pooled["youngs_modulus"].budget)
+    pooled = found.summaries[0].on_layer.pooled
+    assert {"force gain", "jig angle"}.isdisjoint(pooled.youngs_modulus_variance_shares)
 
 
 def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path):

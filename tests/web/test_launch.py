@@ -13,6 +13,8 @@ import pytest
 from tests.command import refusal, run
 from tests.waiting import wait_until
 
+from fingerpad.web.workspace import title_of
+
 APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
 
 
@@ -144,6 +146,18 @@ def test_a_folder_without_a_manifest_is_one_to_begin_a_study_in(
     (workspace,) = served
     assert (workspace.last and workspace.last.name) == opened
     assert workspace.workspace == studies_folder / ("empty" if arguments == ["empty"] else ".")
+
+
+def test_a_title_is_read_at_a_glance_or_left_alone(tmp_path):
+    titles = {
+        'title = "Left index"\n[[fingers]]\nname = "f"': "Left index",
+        '# a comment\ntitle = "[1] of two"\n': "[1] of two",
+        'description = """\n[note] of old\n"""\ntitle = "Hidden"': None,
+        **dict.fromkeys(("title = 3", "[scales]", "title = "), None),
+    }
+    for text, title in titles.items():
+        (tmp_path / "study.toml").write_text(text)
+        assert title_of(tmp_path) == title, text
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from fingerpad.report.plots import group_name, placement_of, where
 from fingerpad.study.results.layer import HERTZ_OF, LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import Quantities
 from fingerpad.units import KPA_PER_MPA
 
 _IF_THICKNESS: Final = (4.0, 8.0, 12.0)
@@ -38,25 +39,25 @@ class Comparison:
 
     quantity: str
     source: str
-    hertz: LayerQuantity | None
+    hertz: LayerQuantity
     layered: LayerQuantity
     shares: str
 
 
 def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
     """Return the lines of a summary's table; none without a thickness."""
-    layer = summary.layer
-    if layer is None:
+    if summary.on_layer is None:
         return []
-    at, modulus = f"{layer.observation}, {layer.load:.3g} N", "youngs_modulus_on_layer"
-    lines = {
-        name: _comparison(words, at, layer.at_highest_load[HERTZ_OF[name]], layer.at_highest_load[name])
-        for name, words in _WORDS.items()
-    }
-    pooled, mean = layer.pooled[modulus], []
-    if pooled and pooled.count > 1:
-        of = f"mean of {pooled.count} contacts"
-        mean = [_comparison(_WORDS[modulus], of, layer.pooled["youngs_modulus"], pooled)]
+    highest, pooled, modulus = (
+        summary.on_layer.highest_load,
+        summary.on_layer.pooled,
+        "youngs_modulus_on_layer",
+    )
+    at = f"{highest.observation}, {highest.load_N:.3g} N"
+    lines = {name: _comparison(words, at, highest, HERTZ_OF[name], name) for name, words in _WORDS.items()}
+    count, mean = pooled.youngs_modulus_on_layer_count, []
+    if count > 1:
+        mean = [_comparison(_WORDS[modulus], f"mean of {count} contacts", pooled, "youngs_modulus", modulus)]
     radius = lines.pop("loading_radius_on_layer")
     return [*mean, *lines.values(), *_of_curves(result, summary), radius]
 
@@ -71,21 +72,23 @@ def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
         if found is not None:
             yield _comparison(
                 "E from load and indentation (kPa)",
-                f"{of.file}, {found.load:.3g} N"
-                + (f": {FLAGS['layer'][found.flag].words}" if found.flag else ""),
-                found.quantities["youngs_modulus_from_indentation"],
-                found.quantities["youngs_modulus_from_indentation_on_layer"],
+                f"{of.file}, {found.load_N:.3g} N"
+                + (f": {FLAGS['layer'][found.layer_flag].words}" if found.layer_flag else ""),
+                found,
+                "youngs_modulus_from_indentation",
+                "youngs_modulus_from_indentation_on_layer",
             )
 
 
-def _comparison(
-    quantity: str, source: str, hertz: LayerQuantity | None, layered: LayerQuantity
-) -> Comparison:
+def _comparison(words: str, source: str, record: Quantities, hertz: str, on_layer: str) -> Comparison:
+    """Return a line with two quantities of a record, by their names."""
+    layered = LayerQuantity.of(record, on_layer)
     largest = sorted(layered.budget.items(), key=lambda item: -item[1])
     shares = ", ".join(
         f"{name} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in largest if share >= _LEAST_SHARE
     )
-    return Comparison(quantity=quantity, source=source, hertz=hertz, layered=layered, shares=shares)
+    other = LayerQuantity.of(record, hertz)
+    return Comparison(quantity=words, source=source, hertz=other, layered=layered, shares=shares)
 
 
 def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) -> Iterator[Plot]:
@@ -142,18 +145,20 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
 
 def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw the section along the finger under the contact at the highest load."""
-    layer = summary.layer
-    if layer is None or layer.flag:
+    on_layer = summary.on_layer
+    if on_layer is None or on_layer.highest_load.layer_flag:
         return
-    modulus, placement = layer.at_highest_load["youngs_modulus_on_layer"].value, placement_of(result, summary)
+    highest, thickness = on_layer.highest_load, on_layer.effective_thickness_mm
+    placement, load = placement_of(result, summary), highest.load_N
     try:
-        tissue = Tissue(modulus / KPA_PER_MPA, result.study.poisson_ratio, layer.thickness)
-        solved = solve_contact(placement, tissue, load=layer.load, points=_CELLS)
+        modulus = highest.youngs_modulus_on_layer_kpa / KPA_PER_MPA
+        tissue = Tissue(modulus, result.study.poisson_ratio, thickness)
+        solved = solve_contact(placement, tissue, load=load, points=_CELLS)
     except (GeometryError, ConvergenceError):
         return
     figure = figures.section_figure(
         ContactField.of_solution(solved),
-        hertz=ContactField.of_hertz(placement, tissue, load=layer.load),
+        hertz=ContactField.of_hertz(placement, tissue, load=load),
         points=_SECTION_POINTS,
         levels=_SECTION_LEVELS,
     )
@@ -163,8 +168,8 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         name=f"{group_name(summary.key)}_section",
         figure=figure,
         caption=(
-            f"Section along the finger under {layer.observation} ({layer.load:.3g} N; {at}): pressure, and "
-            f"maximum shear stress in {layer.thickness:g} mm of tissue over bone, with the modulus on the "
+            f"Section along the finger under {highest.observation} ({load:.3g} N; {at}): pressure, and "
+            f"maximum shear stress in {thickness:g} mm of tissue over bone, with the modulus on the "
             "layer. Dashed: pressure of Hertz theory for the same load and modulus."
         ),
     )

@@ -128,7 +128,7 @@ def _tabled(result: StudyResult, found: Sequence[Answer]) -> dict[str, Any]:
 
 def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) -> dict[str, Any]:
     """Return what a page with all figures and pictures shows."""
-    on_layer = [one for one in result.summaries if one.layer and not one.layer.flag]
+    on_layer = [one for one in result.summaries if one.on_layer and not one.on_layer.highest_load.layer_flag]
     return {
         "groups": [
             _line(result, summary, one)
@@ -214,6 +214,7 @@ def _details(
     return {
         "shown": list(records(shown)) if len(contacts) else (),
         "check": check,
+        "pooled_from": text.pooled_from(summary),
         "budget": draw(plots.budget_plot(summary, check)),
         "figures": draw(plots.summary_plots(result, summary)),
         "doubts": list(records(doubtful[: plots.MOST_POINTS])),
@@ -232,9 +233,8 @@ def _details(
             for code, flag in FLAGS["row"].items()
             if code in noted
         ],
-        "layer": summary.layer,
         "layer_lines": comparisons(result, summary),
-        "layer_flag": FLAGS["layer"].get(summary.layer.flag) if summary.layer else None,
+        "layer_flag": summary.on_layer and FLAGS["layer"].get(summary.on_layer.highest_load.layer_flag),
         "pictures": len(overlays),
         "overlays": list(records(plots.thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))))),
     }

@@ -27,7 +27,7 @@ from fingerpad.simulator import simulator_law
 from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.layer import curve_on_layer
+from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.study_result import StudyResult
@@ -299,11 +299,11 @@ def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Itera
     if fit is None or finger is None or not np.isfinite(finger.semi_axes).all():
         return
     nu = result.study.poisson_ratio
-    if (stated := curve_on_layer(result.study, finger, curve)) and not stated.flag:
-        modulus = stated.quantities["youngs_modulus_from_indentation_on_layer"]
+    if (stated := curve_on_layer(result.study, finger, curve)) and not stated.layer_flag:
+        modulus = LayerQuantity.of(stated, "youngs_modulus_from_indentation_on_layer")
         tissue = Tissue(modulus.value / KPA_PER_MPA, nu, finger.manifest.effective_thickness_mm or np.inf)
         # Its uncertainty holds that of the thickness.
-        stds, moved = {"youngs_modulus": modulus.std / KPA_PER_MPA}, stated.contact_shift
+        stds, moved = {"youngs_modulus": modulus.std / KPA_PER_MPA}, stated.contact_shift_mm
         words = "tissue of the stated thickness on bone"
     elif (layer := curve.layer) and layer.thickness.known and layer.youngs_modulus.known:
         tissue = Tissue(layer.youngs_modulus.value, nu, layer.thickness.value)

@@ -90,6 +90,7 @@ def templates() -> Environment:
         "symbols": text.VERDICT_SYMBOLS,
         "headlines": text.HEADLINE_WORDS,
         "two": two_digits,
+        "interval_difference": text.interval_difference,
         "style": Markup(style),  # noqa: S704 (our own)
     }
     return environment

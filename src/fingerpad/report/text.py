@@ -22,7 +22,7 @@ from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.repeats import unlike_growth, unlike_repeats
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary_file import CheckRecord
+from fingerpad.study.results.summary_file import CheckRecord, UncertaintyCheckRecord
 from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity.checks import PRESS_STD
 from fingerpad.study.results.validity.model_checks import (
@@ -188,7 +188,7 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
     bare = {
         summary.finger: None
         for summary, validity in placed
-        if summary.layer is None and validity.verdict in {STRAINED, FAILS}
+        if summary.on_layer is None and validity.verdict in {STRAINED, FAILS}
     }
     for curve in result.curves:
         name, layer = curve.manifest.finger, curve.layer
@@ -241,6 +241,26 @@ def placement_words(summary: Summary) -> str:
     """Return which finger at which angles a summary is of."""
     roll = f", roll {summary.roll_angle_deg:g}°" if summary.roll_angle_deg else ""
     return f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{roll}"
+
+
+def pooled_from(summary: Summary) -> str:
+    """Return what the pooled radii come from, in words, and of how many observations."""
+    pooled, framed = summary.column("pooled"), summary.column("frame").notna()
+    frames = int((pooled & framed).sum())
+    sequences = len(set(summary.column("sequence")[pooled]) - {None})
+    contacts, seen = int(pooled.sum()) - frames, int((~framed).sum())
+    singles = counted(contacts, "observation")
+    if contacts < seen:
+        singles = f"{contacts} of {counted(seen, 'observation')}"
+    parts = [singles] if seen or not sequences else []
+    if sequences:
+        parts.append(f"{counted(frames, 'frame')} of {counted(sequences, 'sequence')}")
+    return " and ".join(parts)
+
+
+def interval_difference(check: UncertaintyCheckRecord) -> float:
+    """Return by how much the ends of a check's two intervals differ at most, mm."""
+    return max(abs(one - other) for one, other in zip(check.interval, check.simulated_interval, strict=True))
 
 
 def names_by_note(summary: Summary) -> dict[str, list[str]]:

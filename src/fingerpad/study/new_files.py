@@ -6,11 +6,10 @@ Guesses say so, and so does what nothing states.
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
-from typing import Any, Final, cast, get_args
+from typing import Any, Final, cast
 
-from fingerpad._csv import package_table
 from fingerpad._files import folded
 from fingerpad._words import counted, joined
 from fingerpad.exceptions import FingerpadError, ManifestError
@@ -19,44 +18,8 @@ from fingerpad.study.editing.edit import Edit, change_study, create_study
 from fingerpad.study.imports import names
 from fingerpad.study.imports.identify import Guess, GuessedScale, identify_file, join_files, read_file_table
 from fingerpad.study.manifest.load import Kind, LoadedStudy
-from fingerpad.study.manifest.models import SCALE_KINDS, ScaleTable
 from fingerpad.study.status import Missing, lacking, unused_files
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScaleWay:
-    """A way to state a scale."""
-
-    needs: list[str]
-    may: list[str]
-    starts: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KnownSize:
-    """A length that everybody has at hand, mm."""
-
-    size_mm: float
-    words: str
-
-
-SCALE_WAYS: Final[Mapping[str, ScaleWay]] = {
-    way: ScaleWay(
-        needs=[name for name, one in model.model_fields.items() if one.is_required()],
-        may=[name for name, one in model.model_fields.items() if not one.is_required()],
-        starts=names.TABLES["starts"].get(way, {}),
-    )
-    for way, model in zip(SCALE_KINDS, get_args(ScaleTable), strict=True)
-}
-# Cards are ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
-COINS, CARD = (
-    tuple(
-        KnownSize(size_mm=float(line["size_mm"]), words=f"{line['words']}, {line['size_mm']} mm")
-        for line in package_table("fingerpad.study.editing", "known_sizes.csv")
-        if line["what"] == what
-    )
-    for what in ("coin", "card")
-)
 # What a file of each kind may be used as, in words, and which values it is given, by its use.
 USES: Final[Mapping[names.FileKind, Mapping[names.Use, str]]] = names.TABLES["uses"]
 TAKES: Final[Mapping[names.Use, Sequence[str]]] = names.TABLES["takes"]

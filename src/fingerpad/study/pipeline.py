@@ -36,7 +36,7 @@ from fingerpad.study.manifest.models import Observation, PitchScale, ResolutionS
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, item_of, measure_study
-from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
+from fingerpad.study.measuring.sequences import corrected_frames
 from fingerpad.study.results import result_set
 from fingerpad.study.results.methods import provenance
 from fingerpad.study.results.output import write_tables
@@ -248,11 +248,11 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
 
     def digest(item: str) -> str:
         image = known.image(item)
-        return frames.get(item, "") if image is None else context.digest(context.folder / image)
+        return frames.get(item) or "" if image is None else context.digest(context.folder / image)
 
     yield from map(_REPLACED.format, on_another_image(context.active_corrections, digest))
     yield from map(_NOT_THERE.format, log.unknown_items(context.study))
-    yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
+    yield from (_NOT_THERE.format(item) for item, digest_then in frames.items() if digest_then is None)
 
 
 def _loading_notes(curves: Iterable[CurveResult]) -> Iterator[str]:

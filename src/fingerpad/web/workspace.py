@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import tomllib
 import unicodedata
 from http import HTTPStatus
 from importlib.metadata import version
@@ -13,12 +14,14 @@ from typing import Final
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT
+from fingerpad.study.journal import read_text_or_none
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.web.answers import RequestError
 from fingerpad.web.pictures import Pictures
 from fingerpad.web.study_session import StudySession
 
+_FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)
 UPLOAD_LIMIT: Final = 4 * 2**30
 # A folder's name holds letters, digits and . _ + - only, as all names of a study.
 NAME: Final = r"^\w[\w.+-]{0,59}$"
@@ -38,6 +41,16 @@ def folder_of(study: Path) -> Path:
     if study.name != STUDY_NAME:
         raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
     return study.absolute().parent
+
+
+def title_of(folder: Path) -> str | None:
+    """Return a study's title at a glance, without reading its tables; None where that does not tell it."""
+    try:
+        text = read_text_or_none(folder / STUDY_NAME) or ""
+        title = tomllib.loads(_FIRST_TABLE.split(text, maxsplit=1)[0]).get("title")
+    except (ManifestError, tomllib.TOMLDecodeError):
+        return None
+    return title if isinstance(title, str) else None
 
 
 class Workspace:

@@ -185,19 +185,6 @@ def checked_change(item: str, content: Mapping[str, Any], where: str) -> Any:
         raise StoreError(str(error)) from None
 
 
-def record_of(line: bytes) -> Record | None:
-    """Return the record of a line, None if it is none; ValueError where it was changed since."""
-    try:
-        content = json.loads(line)
-        checksum = content.pop("checksum", None)
-        record = Record.model_validate(content)
-    except (ValueError, TypeError, AttributeError, RecursionError):
-        return None
-    if checksum is not None and checksum != _checksum(record.model_dump()):
-        raise ValueError("was changed after it was written")
-    return record
-
-
 def _checksum(content: Mapping[str, Any]) -> str:
     return hashlib.blake2b(_dump(content), digest_size=8).hexdigest()
 
@@ -290,28 +277,6 @@ def _is_frame(number: str) -> bool:
     return number.isdecimal() and str(int(number)) == number
 
 
-# How an image is measured. What was drawn, and the place of a contact, belong to one image alone.
-SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px", "mask_px")
-
-
-def similar_images(item: str, study: Study) -> list[str]:
-    """Return the other contact images of the same finger with the same scale, as of one device."""
-    one = Correctable(study).table(item)
-    if not isinstance(one, Observation) or one.file is None:
-        return []
-    return [
-        each.name
-        for each in study.observations
-        if each.file and each.name != item and (each.finger, each.scale) == (one.finger, one.scale)
-    ]
-
-
-def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings and without a verdict; what was drawn stays."""
-    settings = {name: value for name in SHARED_SETTINGS if (value := getattr(source, name)) is not None}
-    return target.model_copy(update={**settings, "accepted": False, "rejected": None})
-
-
 CORRECTIONS_LOCK: Final = ".corrections.lock"
 _MOST_NAME: Final = 200
 
@@ -328,7 +293,6 @@ class CorrectionLog:
     def _forget(self) -> None:
         self._stamp: object = None
         self._read = b""
-        self._lines = 0
         self._last_id = 0
         self._torn = b""
         self._histories: dict[str, list[Record]] = {}
@@ -350,8 +314,12 @@ class CorrectionLog:
         """What is odd in the file but does no harm."""
         if not self._torn:
             return ()
-        line = f"{self._path.name}: line {self._lines + 1}"
+        line = f"{self._path.name}: line {self._next_line}"
         return (f"{line} is torn, as by a process stopped while it wrote; it is left out",)
+
+    @property
+    def _next_line(self) -> int:
+        return self._read.count(b"\n") + 1
 
     def refresh(self) -> None:
         """Read what has been written since."""
@@ -383,19 +351,24 @@ class CorrectionLog:
             json.loads(self._torn)  # it is whole: its end of line was lost in an editor
             lines.append(self._torn)
             self._torn = b""
-        for number, line in enumerate(lines, self._lines + 1):
+        for number, line in enumerate(lines, self._next_line):
             if line.strip():
                 self._take(line, f"{self._path}: line {number}")
-        self._lines += len(lines)
         self._read += fresh.removesuffix(self._torn)
 
     def _take(self, line: bytes, where: str) -> None:
+        record: Record | None
         try:
-            record = record_of(line)
-        except ValueError as error:
+            content = json.loads(line)
+            checksum = content.pop("checksum", None)
+            record = Record.model_validate(content)
+        except (ValueError, TypeError, AttributeError, RecursionError):
+            record = checksum = None
+        if record is not None and checksum not in {None, _checksum(record.model_dump())}:
             raise StoreError(
-                f'{where} {error}: fix or remove it; if it is meant so, remove its "checksum"'
-            ) from None
+                f"{where} was changed after it was written: fix or remove it; if it is meant so, remove its "
+                '"checksum"'
+            )
         if record is None or record.id <= self._last_id:
             raise StoreError(f"{where} is no correction that follows those above it: fix or remove that line")
         self._last_id = record.id

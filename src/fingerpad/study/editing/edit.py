@@ -161,9 +161,6 @@ def _list_left_out(piece: str, kept: Collection[str]) -> str | None:
     return None if content or len(tables) > 1 or str(tables[0].get("name")) in kept else header[1]
 
 
-_FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)
-
-
 class StudyFiles:
     """The documents of a study while they are changed."""
 
@@ -238,16 +235,6 @@ def _require_as_complete(before: LoadedStudy, after: LoadedStudy) -> None:
     ]
     if lines:
         raise ManifestError("\n".join(lines))
-
-
-def title_of(folder: Path) -> str | None:
-    """Return a study's title at a glance, without reading its tables; None where that does not tell it."""
-    try:
-        text = read_text_or_none(folder / STUDY_NAME) or ""
-        title = tomllib.loads(_FIRST_TABLE.split(text, maxsplit=1)[0]).get("title")
-    except (ManifestError, tomllib.TOMLDecodeError):
-        return None
-    return title if isinstance(title, str) else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

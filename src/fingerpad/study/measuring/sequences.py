@@ -24,7 +24,7 @@ from fingerpad.image.sequence.frames import played_rate
 from fingerpad.loading.contact_point import first_contact
 from fingerpad.study.corrections import apply
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import ActiveCorrection, frames_of, phases_item, sequence_frames
+from fingerpad.study.corrections.log import frames_of, phases_item, sequence_frames
 from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
 from fingerpad.study.manifest.models import ContactSequence
@@ -183,17 +183,6 @@ class SequenceResult:
     overlays: tuple[FrameOverlay, ...] = ()
     reason: str | None = None
     phases: apply.ManualPhases | None = None
-
-
-def frames_beyond(
-    sequences: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
-) -> Iterator[str]:
-    """Yield the corrected frames that lie beyond the end of their sequence."""
-    for sequence in sequences:
-        if sequence.summary is not None:
-            for frame in frames_of(active_corrections, sequence.manifest.name):
-                if frame >= sequence.summary.count:
-                    yield f"{sequence.manifest.name}#{frame}"
 
 
 class OpenedSequence:
@@ -435,16 +424,19 @@ def _failed(reason: str, _folder: Path, _out: Path) -> Record:
     return {"reason": reason}
 
 
-def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
-    """Return the digests of all frames that people corrected, by item, as they were measured."""
-    found: dict[str, str] = {}
+def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -> dict[str, str | None]:
+    """Return the digests of all frames that people corrected, by item, as they were measured.
+
+    None is that of a frame beyond the end of its sequence.
+    """
+    found: dict[str, str | None] = {}
     for sequence in sequences:
         name = sequence.manifest.name
         active = frames_of(context.active_corrections, name)
         if sequence.reason is None and active:
             with _all_stored(name, context):
                 digests = OpenedSequence(sequence.manifest, context).digests(active)
-            found |= {f"{name}#{frame}": digests.get(frame, "") for frame in active}
+            found |= {f"{name}#{frame}": digests.get(frame) for frame in active}
     return found
 
 

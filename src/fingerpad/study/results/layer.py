@@ -1,9 +1,9 @@
 """The whole pad on a layer of tissue over bone: contacts and loading curves of fingers of known thickness."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -19,6 +19,7 @@ from fingerpad.study.manifest.models import Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult, pad_placement
 from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of
+from fingerpad.study.results.summary_file import CurveOnLayerRecord, Quantities
 from fingerpad.study.results.table import COLUMNS, ColumnArray
 from fingerpad.uncertainty.models import indentation_model
 from fingerpad.units import KPA_PER_MPA
@@ -125,24 +126,38 @@ def layer_columns(
     return columns, parts
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LayerQuantity:
+class LayerQuantity(NamedTuple):
     """A quantity with its uncertainty, in the unit of the tables."""
 
     value: float  # kPa or mm; NaN, as its uncertainty, where it is out of the range of the laws
     std: float
-    budget: dict[str, float]  # share of each source in the variance
+    budget: Mapping[str, float]  # share of each source in the variance
+
+    @classmethod
+    def of(cls, record: Quantities, name: str) -> "LayerQuantity":
+        """Return an output as a record has it."""
+        return cls(*(getattr(record, key) for key in _keys_of(name)))
 
 
-def quantity_of(propagated: uncertainty.Propagated, name: str) -> LayerQuantity:
-    """Return an output of one contact in the unit of the tables."""
-    _, factor = unit_of(name)
-    place = propagated.place(name)
-    return LayerQuantity(
-        value=factor * float(propagated.value[0, place]),
-        std=factor * float(propagated.std[0, place]),
-        budget={source: float(share[0]) for source, share in propagated.budget(name).items()},
-    )
+def _keys_of(name: str) -> tuple[str, str, str]:
+    unit, _ = unit_of(name)
+    return f"{name}_{unit}", f"{name}_{unit}_std", f"{name}_variance_shares"
+
+
+def as_keys(name: str, *quantity: object) -> dict[str, Any]:
+    """Return a `LayerQuantity`, or three times None, by the keys that records have for it."""
+    return dict(zip(_keys_of(name), quantity, strict=True))
+
+
+def outputs_by_key(propagated: uncertainty.Propagated, names: Iterable[str]) -> dict[str, Any]:
+    """Return outputs of one contact by the keys that records have for them."""
+    found: dict[str, Any] = {}
+    for name in names:
+        (_, factor), place = unit_of(name), propagated.place(name)
+        value, std = (factor * float(of[0, place]) for of in (propagated.value, propagated.std))
+        budget = {source: float(share[0]) for source, share in propagated.budget(name).items()}
+        found |= as_keys(name, value, std, budget)
+    return found
 
 
 _SOURCES: Final = {
@@ -157,21 +172,7 @@ _MOST_ROWS: Final = 200
 _EARLIEST, _LATEST = 0.3, 0.04  # shifts of the place of contact, of the largest indentation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CurveOnLayer:
-    """What the highest load of a loading curve and its indentation tell of the pad."""
-
-    load: float  # highest load fitted, N
-    indentation: float  # under it, from the place of contact that Hertz theory fits, mm
-    indentation_std: float
-    # By how much that is larger from the place of contact that the law of the layer fits, mm.
-    contact_shift: float
-    flag: str  # what takes it out of the range of the laws; empty where nothing does
-    # Young's modulus by Hertz theory and on the layer, and A/(πξ) on the layer; NaN where it is flagged.
-    quantities: dict[str, LayerQuantity]
-
-
-def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayer | None:
+def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayerRecord | None:
     """Return a loading curve on its finger's layer; None without thickness, semi-axes or a fit."""
     fit, thickness = curve.fit, finger.manifest.effective_thickness_mm
     if fit is None or not math.isfinite(fit.contact_offset.std):
@@ -190,13 +191,13 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
         indentation=indentation + shift,
     )
     known = bool(np.isfinite(found.std).all())
-    return CurveOnLayer(
-        load=fit.modulus_load,
-        indentation=indentation,
-        indentation_std=fit.contact_offset.std,
-        contact_shift=shift,
-        flag=str(contact.flags) or ("" if known else UNCERTAINTY_OUT_OF_RANGE),
-        quantities={name: quantity_of(found, name) for name in found.names},
+    return CurveOnLayerRecord.of(
+        load_N=fit.modulus_load,
+        indentation_mm=indentation,
+        indentation_mm_std=fit.contact_offset.std,
+        contact_shift_mm=shift,
+        layer_flag=str(contact.flags) or ("" if known else UNCERTAINTY_OUT_OF_RANGE),
+        **outputs_by_key(found, found.names),
     )
 
 

@@ -21,9 +21,9 @@ from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
-from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, unit_of
+from fingerpad.study.results.layer import curve_on_layer
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.pooling import LayerSummary, PooledRadius, area_exponent
+from fingerpad.study.results.pooling import PooledRadius, area_exponent
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
 from fingerpad.study.results.validity import model_checks
@@ -184,7 +184,6 @@ def _placements(result: StudyResult) -> Iterator[summary_file.PlacementRecord]:
             frames=int(framed.sum()),
             **_pooled("radius_from_indentation", summary.corrected_radius),
             **_pooled("radius_from_compliance", summary.compliance_radius),
-            on_layer=summary.layer and _on_layer(summary.layer),
             loading_radius_mm=loading and loading.value,
             loading_radius_mm_std=loading and loading.std,
             highest_load_N=highest.get("load_N"),
@@ -204,48 +203,19 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
         return {f"{name}_mm": None, f"{name}_count": 0}
     return {
         f"{name}_mm": pooled.value,
-        f"{name}_mm_std": pooled.std,
+        f"{name}_mm_std": pooled.total_std,
         f"{name}_mm_fixed_geometry_std": pooled.fixed_geometry,
-        f"{name}_mm_ci95": pooled.random.interval,
+        f"{name}_mm_ci95": pooled.interval,
         f"{name}_count": pooled.count,
         f"{name}_effective_count": pooled.effective_count,
         f"{name}_largest_weight": pooled.largest_weight,
         f"{name}_birge_ratio": pooled.fixed.birge_ratio,
         f"{name}_same_for_all_mm": pooled.fixed.value,
         f"{name}_same_for_all_mm_std": pooled.fixed.total_std,
-        f"{name}_between_std_mm": pooled.random.between_std,
+        f"{name}_between_std_mm": pooled.between_std,
         f"{name}_scatter_within_loads_mm": pooled.scatter.components["repeat"].std,
         f"{name}_scatter_between_loads_mm": pooled.scatter.components["load"].std,
         f"{name}_variance_shares": pooled.budget,
-    }
-
-
-def _on_layer(layer: LayerSummary) -> summary_file.OnLayerRecord:
-    means: dict[str, Any] = {}
-    for name, pooled in layer.pooled.items():
-        means |= _on_layer_quantity(name, pooled)
-        means[f"{name}_birge_ratio"] = pooled and pooled.birge_ratio
-        means[f"{name}_count"] = pooled.count if pooled else 0
-    return summary_file.OnLayerRecord(
-        effective_thickness_mm=layer.thickness,
-        effective_thickness_mm_std=layer.thickness_std,
-        highest_load=summary_file.HighestLoadOnLayer.of(
-            layer, layer_flag=layer.flag, **_on_layer_quantities(layer.at_highest_load)
-        ),
-        pooled=summary_file.PooledOnLayerRecord(**means),
-    )
-
-
-def _on_layer_quantities(quantities: Mapping[str, LayerQuantity]) -> dict[str, Any]:
-    return {key: one for name, of in quantities.items() for key, one in _on_layer_quantity(name, of).items()}
-
-
-def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, Any]:
-    unit, _ = unit_of(name)
-    return {
-        f"{name}_{unit}": quantity and quantity.value,
-        f"{name}_{unit}_std": quantity and quantity.std,
-        f"{name}_variance_shares": quantity and quantity.budget,
     }
 
 
@@ -288,17 +258,13 @@ def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _curve(result: StudyResult, curve: CurveResult) -> summary_file.CurveRecord:
-    layered, on_layer = curve_on_layer(result.study, result.fingers[curve.manifest.finger], curve), None
-    if layered is not None:
-        quantities = _on_layer_quantities(layered.quantities)
-        on_layer = summary_file.CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
     return summary_file.CurveRecord.of(
         curve,
         curve.manifest,
         **({"cycle": curve.manifest.cycle} if curve.manifest.cycle else {}),
         fit=curve.fit and curve.fit.as_record(),
         layer=curve.layer and curve.layer.as_record(),
-        on_layer=on_layer,
+        on_layer=curve_on_layer(result.study, result.fingers[curve.manifest.finger], curve),
     )
 
 

@@ -1,8 +1,8 @@
 """Contacts of a finger at one placement pooled: radii, quantities on its layer, exponent of the area."""
 
 import math
-from dataclasses import dataclass
-from typing import Final, Self
+from dataclasses import asdict, dataclass
+from typing import Any, Final, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +11,16 @@ from scipy import special
 
 from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad._words import counted
 from fingerpad.estimate import Estimate
 from fingerpad.study.results import layer, model
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey
+from fingerpad.study.results.summary_file import (
+    PLACEMENT,
+    HighestLoadOnLayer,
+    OnLayerRecord,
+    PlacementKey,
+    PooledOnLayerRecord,
+)
 from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty.press_slope import PressSlope
 from fingerpad.uncertainty.propagate import NORMAL_97_5
@@ -88,46 +93,32 @@ _OWN: Final = ~np.isin(model.PART_SOURCES, _SHARED)
 _SECOND: Final = np.arange(model.PART_SOURCES.size) >= (model.PART_SOURCES.size - len(model.COMMON)) // 2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PooledRadius:
-    """A radius pooled over contacts."""
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class PooledRadius(uncertainty.RandomEffects):
+    """A radius pooled over contacts, mm, which are taken to have different radii about a mean.
 
-    # contacts taken to have different radii about a mean: the pooled radius
-    random: uncertainty.RandomEffects
+    It counts a sequence as one.
+    """
+
     # its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017)
     fixed_geometry: float
     # all contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge)
     fixed: uncertainty.Pooled
     # of contacts under one load (``"repeat"``), and between loads (``"load"``), if only of two
     scatter: uncertainty.NestedScatter
-    # share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
+    # share of each source in the variance, with ``"scatter"`` for what the difference between
     # contacts adds
     budget: dict[str, float]
 
     @property
-    def value(self) -> float:
-        """The pooled radius, mm."""
-        return self.random.value
-
-    @property
-    def std(self) -> float:
-        """Its standard uncertainty, with everything that contacts share, mm."""
-        return self.random.total_std
-
-    @property
-    def count(self) -> int:
-        """Number of contacts, a sequence counting as one."""
-        return self.random.count
-
-    @property
     def largest_weight(self) -> float:
         """The largest weight of a contact."""
-        return float(self.random.weights.max())
+        return float(self.weights.max())
 
     @property
     def effective_count(self) -> float:
         """Number of contacts of equal weight that would make as much of a mean: 1/Σw²."""
-        return float(1 / np.sum(self.random.weights**2))
+        return float(1 / np.sum(self.weights**2))
 
     @classmethod
     def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self:
@@ -160,7 +151,7 @@ class PooledRadius:
         variances = shared.variances(random.weights)
         exact = sum(variance for source, variance in variances.items() if source not in model.GEOMETRY)
         return cls(
-            random=random,
+            **asdict(random),
             fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
             fixed=uncertainty.pool(value, own, shared),
             scatter=uncertainty.nested_scatter(
@@ -217,72 +208,59 @@ class _Estimates:
         return {source: each / total if total > 0 else 0.0 for source, each in variance.items()}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PooledOnLayer(layer.LayerQuantity):
-    """A quantity pooled over contacts, all of which are taken to have one value."""
+def _on_layer(
+    rows: Rows, pooled: pd.DataFrame, estimate: Indices, highest: HighestLoad
+) -> OnLayerRecord | None:
+    """Summarise the rows that count at one placement; None where the finger has no thickness.
 
-    birge_ratio: float  # of the scatter; the uncertainty is widened by it where it exceeds one
-    count: int  # number of contacts, a sequence counting as one
-
-    @classmethod
-    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self | None:
-        """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is."""
-        places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
-        of_all = [rows.layer_parts[places, each] for each in range(len(layer.POOLED_ON_LAYER))]
-        known = np.asarray(np.isfinite(of_all).all(axis=(0, -1)))  # the same contacts for all outputs
-        if not known.any():
-            return None
-        unit, factor = layer.unit_of(output)
-        pooled, estimate = pooled[known], numbered(estimate[known])
-        parts = factor * of_all[layer.POOLED_ON_LAYER.index(output)][known]
-        own_std = np.sqrt(np.sum(parts[:, ~np.isin(layer.LAYER_PART_SOURCES, _SHARED)] ** 2, axis=-1))
-        seen = _Estimates(pooled, estimate, own_std, parts, layer.LAYER_PART_SOURCES)
-        value = seen.mean(pooled[f"{output}_{unit}"].to_numpy())
-        found = uncertainty.pool(value, uncertainty.proportional_stds(value, seen.own_std), seen.shared)
-        return cls(
-            value=found.value,
-            std=found.total_std,
-            budget=seen.budget(found.weights, found.total_std),
-            birge_ratio=found.birge_ratio,
-            count=found.count,
-        )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LayerSummary:
-    """What the contacts of a finger at one angle tell of it on its layer of tissue."""
-
-    thickness: float  # effective, as stated, mm
-    thickness_std: float  # NaN where none is stated
-    observation: str  # the contact at the highest load that is in the range of the laws, if any is
-    load: float
-    flag: str  # what takes it out of the range of the laws; empty where nothing does
-    at_highest_load: dict[str, layer.LayerQuantity]  # its quantities on the layer, and those of Hertz theory
-    pooled: dict[str, PooledOnLayer | None]  # `POOLED_ON_LAYER` over all contacts that count
-
-    @classmethod
-    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, highest: HighestLoad) -> Self | None:
-        """Summarise the rows that count at one placement; None where the finger has no thickness."""
-        thickness, std = (
-            float(pooled[name].to_numpy()[0])
-            for name in ("effective_thickness_mm", "effective_thickness_mm_std")
-        )
-        if math.isnan(thickness):
-            return None
-        inputs = layer.with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
-        found = layer.Layered(inputs, "first_order")
-        return cls(
-            thickness=thickness,
-            thickness_std=std,
+    `highest` is the contact at the highest load that is in the range of the laws, if any is.
+    """
+    thickness, std = (
+        float(pooled[name].to_numpy()[0]) for name in ("effective_thickness_mm", "effective_thickness_mm_std")
+    )
+    if math.isnan(thickness):
+        return None
+    inputs = layer.with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
+    found = layer.Layered(inputs, "first_order")
+    means: dict[str, Any] = {}
+    for name in layer.POOLED_ON_LAYER:
+        means |= _pooled_on_layer(rows, pooled, estimate, name)
+    return OnLayerRecord(
+        effective_thickness_mm=thickness,
+        effective_thickness_mm_std=std,
+        highest_load=HighestLoadOnLayer(
             observation=highest.observation,
-            load=highest.load,
-            flag=str(found.flag[0]),
-            at_highest_load={
-                name: layer.quantity_of(found.propagated, name)
-                for name in (*layer.HERTZ_OF, *layer.HERTZ_OF.values())
-            },
-            pooled={name: PooledOnLayer.of(rows, pooled, estimate, name) for name in layer.POOLED_ON_LAYER},
-        )
+            load_N=highest.load,
+            layer_flag=str(found.flag[0]),
+            **layer.outputs_by_key(found.propagated, (*layer.HERTZ_OF, *layer.HERTZ_OF.values())),
+        ),
+        pooled=PooledOnLayerRecord(**means),
+    )
+
+
+def _pooled_on_layer(rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> dict[str, Any]:
+    """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws, by keys of the record.
+
+    All are taken to have one value; the uncertainty is widened by their scatter where that exceeds it.
+    """
+    places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
+    of_all = [rows.layer_parts[places, each] for each in range(len(layer.POOLED_ON_LAYER))]
+    known = np.asarray(np.isfinite(of_all).all(axis=(0, -1)))  # the same contacts for all outputs
+    if not known.any():
+        none = layer.as_keys(output, None, None, None)
+        return {**none, f"{output}_birge_ratio": None, f"{output}_count": 0}
+    unit, factor = layer.unit_of(output)
+    pooled, estimate = pooled[known], numbered(estimate[known])
+    parts = factor * of_all[layer.POOLED_ON_LAYER.index(output)][known]
+    own_std = np.sqrt(np.sum(parts[:, ~np.isin(layer.LAYER_PART_SOURCES, _SHARED)] ** 2, axis=-1))
+    seen = _Estimates(pooled, estimate, own_std, parts, layer.LAYER_PART_SOURCES)
+    value = seen.mean(pooled[f"{output}_{unit}"].to_numpy())
+    found = uncertainty.pool(value, uncertainty.proportional_stds(value, seen.own_std), seen.shared)
+    return {
+        **layer.as_keys(output, found.value, found.total_std, seen.budget(found.weights, found.total_std)),
+        f"{output}_birge_ratio": found.birge_ratio,
+        f"{output}_count": found.count,
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -301,7 +279,7 @@ class Summary:
     corrected_radius: PooledRadius | None
     # Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     compliance_radius: PooledRadius | None
-    layer: LayerSummary | None  # the same contacts on the finger's layer; None also without a thickness
+    on_layer: OnLayerRecord | None  # the same contacts on the finger's layer; None also without a thickness
 
     @property
     def key(self) -> PlacementKey:
@@ -337,21 +315,6 @@ class Summary:
         single = self.column("frame").isna()
         return self.table[[*_OF_AREAS]].iloc[self.places[single] if single.any() else self.places]
 
-    @property
-    def pooled_from(self) -> str:
-        """What the pooled radii come from, in words, and of how many observations."""
-        pooled, framed = self.column("pooled"), self.column("frame").notna()
-        frames = int((pooled & framed).sum())
-        sequences = len(set(self.column("sequence")[pooled]) - {None})
-        contacts, seen = int(pooled.sum()) - frames, int((~framed).sum())
-        singles = counted(contacts, "observation")
-        if contacts < seen:
-            singles = f"{contacts} of {counted(seen, 'observation')}"
-        parts = [singles] if seen or not sequences else []
-        if sequences:
-            parts.append(f"{counted(frames, 'frame')} of {counted(sequences, 'sequence')}")
-        return " and ".join(parts)
-
 
 _POOLED: Final = (
     *("observation", "sequence", "scale", "load_N"),
@@ -379,12 +342,12 @@ def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
     )
     if len(pooled):  # of the contacts in the range of the layer's laws, if any is
         highest = rows.highest_on_layer.get(key) or rows.highest_load[key]
-        on_layer = LayerSummary.of(rows, pooled, estimate, highest)
+        on_layer = _on_layer(rows, pooled, estimate, highest)
     return Summary(
         **dict(zip(PLACEMENT, key, strict=True)),
         table=table,
         places=by_load.index.to_numpy(),
         corrected_radius=corrected,
         compliance_radius=compliance,
-        layer=on_layer,
+        on_layer=on_layer,
     )

@@ -279,13 +279,6 @@ class UncertaintyCheckRecord(Record):
     shares: Shares = Field(description="Share of each source in the variance, of first order.")
     total: Shares = Field(description="Sobol's total index of each source.")
 
-    @property
-    def interval_difference(self) -> float:
-        """By how much the ends of the two intervals differ at most, mm."""
-        return max(
-            abs(one - other) for one, other in zip(self.interval, self.simulated_interval, strict=True)
-        )
-
 
 class HeadlineRecord(Record):
     """A result with its uncertainty from what was measured and from the model."""

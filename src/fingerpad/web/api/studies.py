@@ -4,28 +4,31 @@ import getpass
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
 from http import HTTPStatus
-from typing import Annotated
+from typing import Annotated, Any, Final, get_args
 
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from pydantic import Field
 
 import fingerpad
+from fingerpad._csv import package_table
 from fingerpad.image import Face
 from fingerpad.report.text import VERDICT_SYMBOLS
-from fingerpad.study.editing.edit import Edit, create_study, title_of
+from fingerpad.study.editing.edit import Edit, create_study
 from fingerpad.study.editing.template import write_example
-from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, FileKind, Use
+from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER, TABLES, FileKind, Use
 from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.new_files import CARD, COINS, SCALE_WAYS, TAKES, USES, KnownSize, ScaleWay
+from fingerpad.study.manifest.models import SCALE_KINDS, ScaleTable
+from fingerpad.study.new_files import TAKES, USES
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, RequestError
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.events import Event, RunStatus
-from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of
+from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of, title_of
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
@@ -35,6 +38,42 @@ class StudyName(Answer):
 
     name: str
     title: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScaleWay:
+    """A way to state a scale."""
+
+    needs: list[str]
+    may: list[str]
+    starts: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownSize:
+    """A length that everybody has at hand, mm."""
+
+    size_mm: float
+    words: str
+
+
+SCALE_WAYS: Final[Mapping[str, ScaleWay]] = {
+    way: ScaleWay(
+        needs=[name for name, one in model.model_fields.items() if one.is_required()],
+        may=[name for name, one in model.model_fields.items() if not one.is_required()],
+        starts=TABLES["starts"].get(way, {}),
+    )
+    for way, model in zip(SCALE_KINDS, get_args(ScaleTable), strict=True)
+}
+# Cards are ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
+COINS, CARD = (
+    tuple(
+        KnownSize(size_mm=float(line["size_mm"]), words=f"{line['words']}, {line['size_mm']} mm")
+        for line in package_table("fingerpad.web.api", "known_sizes.csv")
+        if line["what"] == what
+    )
+    for what in ("coin", "card")
+)
 
 
 class EntryRules(Answer):

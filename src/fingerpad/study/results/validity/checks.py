@@ -21,9 +21,14 @@ from fingerpad.loading import LoadingFit
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
 from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
-from fingerpad.study.results.pooling import LayerSummary, Summary, area_noise, edges_of, items_of
+from fingerpad.study.results.pooling import Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary_file import HeadlineRecord, LayerValidityRecord, ValidityRecord
+from fingerpad.study.results.summary_file import (
+    HeadlineRecord,
+    HighestLoadOnLayer,
+    LayerValidityRecord,
+    ValidityRecord,
+)
 from fingerpad.study.results.table import COLUMNS, Indices, Row, first_record
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
@@ -366,7 +371,7 @@ def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     pooled, first = case.summary.compliance_radius, case.summary.first
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
-    value = None if pooled is None else (factor * pooled.value, factor * pooled.std)
+    value = None if pooled is None else (factor * pooled.value, factor * pooled.total_std)
     return _against_loading(case, CHECKS[ROUTES[RADIUS]], value)
 
 
@@ -513,29 +518,30 @@ _READING: Final = 0.05
 
 def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator[ValidityCheck]:
     """Yield the checks of the layer; none without a thickness, or out of the range of the laws."""
-    layer = case.summary.layer
-    if layer is None or layer.flag:
+    if (on_layer := case.summary.on_layer) is None or on_layer.highest_load.layer_flag:
         return
-    found = layer.at_highest_load["loading_radius_on_layer"]
+    found = LayerQuantity.of(on_layer.highest_load, "loading_radius_on_layer")
     yield _against_loading(
         case, CHECKS["loading_radius_on_layer"], (found.value, found.std), reading=_READING
     )
-    yield _modulus_check(case, layer, curves)
+    yield _modulus_check(case, on_layer.highest_load, curves)
     yield _shape_check(case)
 
 
-def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[CurveResult]) -> ValidityCheck:
+def _modulus_check(
+    case: FingerAtAngle, highest: HighestLoadOnLayer, curves: Sequence[CurveResult]
+) -> ValidityCheck:
     by_curve = [
-        found.quantities["youngs_modulus_from_indentation_on_layer"]
+        LayerQuantity.of(found, "youngs_modulus_from_indentation_on_layer")
         for curve in curves
         if curve.fit in case.fits
         and (found := curve_on_layer(case.study, case.pad, curve)) is not None
-        and not found.flag
+        and not found.layer_flag
     ]
     if not by_curve:
         why = "in the range of the laws" if case.fits else "of this finger at this angle"
         return CHECKS["modulus_on_layer"].untested(f"no loading curve {why}")
-    own, first = layer.at_highest_load["youngs_modulus_on_layer"], by_curve[0]
+    own, first = LayerQuantity.of(highest, "youngs_modulus_on_layer"), by_curve[0]
     stds = np.array([one.std / one.value for one in by_curve])
     log_value, std = of_curves(np.log([one.value for one in by_curve]), stds)
     shared = sum(_relative(own, source) * _relative(first, source) for source in _OPPOSITE)
@@ -658,7 +664,7 @@ def _result(case: FingerAtAngle, name: str) -> tuple[float, float]:
     """Return a headline and its standard uncertainty from what was measured, NaN without one."""
     row, pooled = case.highest_row, case.summary.corrected_radius
     if name == RADIUS:
-        return (pooled.value, pooled.std) if pooled else (math.nan, math.nan)
+        return (pooled.value, pooled.total_std) if pooled else (math.nan, math.nan)
     return (row[name], row[f"{name}_std"]) if row else (math.nan, math.nan)
 
 
