@@ -21,7 +21,7 @@ from benchmarks.tables import share, table
 from benchmarks.truth.hertz import hertz_ellipse
 from fingerpad.geometry import Ellipsoid
 from fingerpad.study.manifest.models import Curve, Uncertainty
-from fingerpad.study.measuring.curves import CurveResult, curve_result
+from fingerpad.study.measuring.curves import CurveResult, RecordedCurve
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows
@@ -182,7 +182,8 @@ def _curve(
     columns = record[:, : len(names)]
     np.savetxt(folder / "curve.csv", columns, delimiter=",", header=",".join(names), comments="")
     curve = Curve(finger="f", wedge_angle_deg=wedge, file="curve.csv")
-    return curve_result(curve, Ellipsoid(*axes), 0.5, folder, scale=None, given=Uncertainty())
+    recorded = RecordedCurve(manifest=curve, poisson_ratio=0.5, given=Uncertainty())
+    return recorded.fitted(folder, Ellipsoid(*axes))
 
 
 def scored(validity: ValidityRecord, truth: dict[str, float]) -> dict[str, Any]:

@@ -141,11 +141,13 @@ def test_the_answers_come_first_and_in_few_words(demo):
         assert one.sentence in flat
     table = text[text.index('<table class="results">') : text.index('<details class="fold">')]
     assert table.count("<th") - table.count("<thead") == 8
-    for row, validity in zip(table.split("<tr>")[2:], result.validities, strict=True):
-        assert f"</span> {validity.verdict}" in row or f" {validity.verdict}</span></a>" in row
+    for row, placed in zip(table.split("<tr>")[2:], result.placements, strict=True):
+        verdict = placed.validity.verdict
+        assert f"</span> {verdict}" in row or f" {verdict}</span></a>" in row
     assert "13.8 ± 4.6</td>" in table
     assert "49.2 ± 5.0<br><small>on bone, layer fails</small>" in table
-    invalid = [check for check in result.checks if check and not check.valid]
+    checks = [one.uncertainty_check for one in result.placements]
+    invalid = [check for check in checks if check and not check.valid]
     assert text.count('<code>method = "monte_carlo"</code>') == len(invalid) > 0
     for check in invalid:
         assert f"{two_digits(interval_difference(check))} mm</span>" in text
@@ -211,9 +213,9 @@ def test_what_is_missing_or_exact_stands_in_its_fold(demo):
 def test_verdicts_stand_beside_the_results_and_say_what_to_do(demo):
     result, text, _ = demo
     headings = re.findall(r'<h3>Does the model hold\? <span class="verdict (\w+)">', text)
-    assert headings == [one.verdict for one in result.validities]
+    assert headings == [one.validity.verdict for one in result.placements]
     assert {"strained", "fails"} == set(headings)
-    for number, validity in enumerate(result.validities, start=1):
+    for number, validity in enumerate((one.validity for one in result.placements), start=1):
         part = text[text.index(f'<div id="finger{number}">') :]
         table = part[part.index('<table class="checks">') :]
         table = table[: table.index("</table>")]

@@ -91,7 +91,8 @@ def test_areas_are_those_of_a_finger_with_semi_axes(tmp_path):
         assert alone.contact_area_mm2_std == known.contact_area_mm2_std
         assert math.isnan(alone.youngs_modulus_kpa)
         assert math.isnan(alone.youngs_modulus_on_layer_kpa)
-    (summary,), (validity,) = without.summaries, without.validities
+    (summary,), (placed,) = without.summaries, without.placements
+    validity = placed.validity
     assert summary.corrected_radius is summary.compliance_radius is summary.on_layer is None
     growth = next(one for one in validity.checks if one.check == "area_against_load")
     assert growth.value == pytest.approx(2 / 3)
@@ -102,7 +103,8 @@ def test_the_sentence_says_what_is_missing(tmp_path):
     steep = [contact(f"c{load}", load, (5 * load, 4 * load), std=0.01) for load in (0.5, 1, 2)]
     known = curve(loading_radius_mm=15, loading_radius_mm_std=1)
     result = run(tmp_path, finger(std=0), *steep, known)
-    (answer,), (validity,) = answers_of(result), result.validities
+    (answer,), (placed,) = answers_of(result), result.placements
+    validity = placed.validity
     radius = next(one for one in validity.checks if one.check == "radius_against_loading")
     assert (radius.verdict, radius.note) == ("not tested", "the finger has no semi-axes")
     assert answer.text.startswith("contact area 251.33 ± 0.40 mm² under 2 N; Hertz theory fails (modulus")

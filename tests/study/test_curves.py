@@ -234,7 +234,7 @@ def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path)
         seen: list[str] = []
         manifest = write_study(tmp_path, **keys)
         result = run_study(manifest, tmp_path / "out", on_progress=lambda one: seen.append(one.status))
-        assert result.checks[0].observation == "c"
+        assert result.placements[0].uncertainty_check.observation == "c"
         return seen.count("checked")
 
     assert [checked(), checked(), checked(load=3), checked(load=3, notes="calm")] == [1, 0, 1, 0]
@@ -243,7 +243,7 @@ def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path)
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path):
     write_curve(tmp_path / "a.csv", area=False, loading_radius=15.0)
     result = study(tmp_path, of_file())
-    (alone,), (validity,) = result.curves, result.validities
+    (alone,), validity = result.curves, result.placements[0].validity
     assert not alone.fit.initial_modulus.known
     assert "no contact area" in alone.reason
     advice = "; ".join(to_measure_better(result))
@@ -359,7 +359,9 @@ def test_curves_given_twice_and_without_a_layer(run_of_curves):
 
 def test_a_curve_given_twice_makes_no_check_more_certain(tmp_path):
     write_curve(tmp_path / "a.csv")
-    once, twice = (study(tmp_path, *many * [on_half_space()]).validities[0].checks for many in (1, 2))
+    once, twice = (
+        study(tmp_path, *many * [on_half_space()]).placements[0].validity.checks for many in (1, 2)
+    )
     assert {one.check for one in once if one.reference_std > 0} >= set(ROUTES.values())
     assert twice == once
 
@@ -439,7 +441,7 @@ def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path):
         (folder := tmp_path / scale).mkdir()
         write_curve(folder / "curve.csv", points=50)
         result = with_outlines(folder, {"scale": "camera"}, of_file("curve.csv", scale=scale))
-        (validity,), (of_curve,) = result.validities, result.curves
+        validity, (of_curve,) = result.placements[0].validity, result.curves
         radii[scale] = of_curve.layer.radius
         (check,) = (one for one in validity.checks if one.check == "radius_against_loading")
         spreads[scale] = check.relative_std

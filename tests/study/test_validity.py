@@ -73,7 +73,8 @@ def test_the_scatter_of_presses_is_in_checks_over_loads(tmp_path):
             contact(f"c{k}", (1.0, 1.3)[k % 2], (7 * area**0.5, 5 * area**0.5), std=0.01, synthetic=synthetic)
             for k, area in enumerate(areas)
         ]
-        (validity,) = studies.run(tmp_path / folder, finger(synthetic=synthetic), *sizes).validities
+        (placed,) = studies.run(tmp_path / folder, finger(synthetic=synthetic), *sizes).placements
+        validity = placed.validity
         return named(validity, "area_falls")
 
     assert falls("once", (1, 0.95)).verdict in {HOLDS, NOT_TESTED}
@@ -112,7 +113,7 @@ def pressed(name: str, load: float = 1, major: float = 3.5, std: float = 0.05, *
 
 def run(folder: Path, *given: Table) -> tuple[StudyResult, list[ValidityRecord]]:
     result = studies.run(folder, *given, uncertainty=STATED)
-    return result, result.validities
+    return result, [one.validity for one in result.placements]
 
 
 def test_without_loading_data_no_term_is_made_up(tmp_path):
@@ -384,7 +385,7 @@ def test_the_shape_is_as_uncertain_as_presses_differ(tmp_path):
     ]
     exact = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
     result = studies.run(tmp_path, studies.finger(std=1e-6), *presses, uncertainty=exact)
-    shape = named(result.validities[0], "shape")
+    shape = named(result.placements[0].validity, "shape")
     scatter = result.repeatability[False].aspect_ratio_std
     assert shape.value_std / shape.value == pytest.approx(scatter, rel=0.02)
     # Five degrees of freedom.

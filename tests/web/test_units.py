@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fingerpad.study.results.load import load_results
-from fingerpad.study.results.table import COLUMNS, GLOSSARY
+from fingerpad.study.results.table import COLUMNS
 from fingerpad.web.answers import Answer, Quantity, semi_axes
 from fingerpad.web.api.results import _label
+from fingerpad.web.glossary import GLOSSARY
 
 CONTACT = "synthetic_30deg_2N"
 

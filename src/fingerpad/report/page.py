@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from PIL import Image
@@ -23,7 +23,6 @@ from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.study.measuring.contacts import QUANTITY_WORDS
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import Answer, answers_of
@@ -35,6 +34,12 @@ from fingerpad.study.results.table import first_record, records
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
 
+_QUANTITY_WORDS: Final = {
+    "semi_major_mm": "semi-major axis",
+    "semi_minor_mm": "semi-minor axis",
+    "gross_area_mm2": "gross area A",
+    "ridge_area_mm2": "ridge area",
+}
 _OVERLAY_WIDTH_PX = 560
 _MOST_ANSWERS = 6
 _MOST_FAILED = 200
@@ -103,7 +108,7 @@ def write_page(
             repeats=repeatability_section(result, with_loads=not pages),
             operators=[] if home else result.operators,
             agreement_figures=[] if home else draw(plots.agreement_plots(result)),
-            quantity_words=QUANTITY_WORDS,
+            quantity_words=_QUANTITY_WORDS,
             missing=said["missing"],
             first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
@@ -132,12 +137,10 @@ def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) ->
     return {
         "groups": [
             _line(result, summary, one)
-            | {"validity": validity}
-            | _details(result, summary, check, draw)
+            | {"validity": one.of.validity}
+            | _details(result, summary, one.of.uncertainty_check, draw)
             | {"layer_figures": draw(layer_plots(result, summary, with_section=on_layer[:1] == [summary]))}
-            for summary, one, check, validity in zip(
-                result.summaries, found, result.checks, result.validities, strict=True
-            )
+            for summary, one in zip(result.summaries, found, strict=True)
         ],
         "curves": [
             {"curve": curve, "figures": draw(plots.curve_plots(result, curve, number))}
@@ -203,7 +206,7 @@ def _details(
     result: StudyResult, summary: Summary, check: UncertaintyCheckRecord | None, draw: _Draw
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
-    contacts, shown = summary.contacts, plots.shown_rows(summary)
+    contacts, shown = summary.where(summary.column("frame").isna()), plots.shown_rows(summary)
     noted = text.names_by_note(summary)
     doubtful = contacts[contacts["flags"] != ""]
     doubtful = doubtful.iloc[np.argsort(doubtful["pooled"].to_numpy(), kind="stable")]  # those left out first

@@ -220,8 +220,8 @@ def agreement_plots(result: StudyResult) -> Iterator[Plot]:
 def wedge_plot(result: StudyResult) -> Iterator[Plot]:
     """Draw the corrected radius of every finger against the wedge angle, where angles differ."""
     found = (
-        (one, validity.headlines[RADIUS])
-        for one, validity in zip(result.summaries, result.validities, strict=True)
+        (one, placed.validity.headlines[RADIUS])
+        for one, placed in zip(result.summaries, result.placements, strict=True)
         if one.corrected_radius and not one.roll_angle_deg
     )
     yield from by_wedge_plot(

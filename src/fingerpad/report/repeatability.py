@@ -6,14 +6,26 @@ from typing import Any, Final
 
 from fingerpad._rounding import two_digits
 from fingerpad._words import counted
-from fingerpad.study.results.repeats import LEVELS, SCATTER_OF
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import ScatterLevelRecord, ScatterRecord
 from fingerpad.uncertainty.repeats import SAME_LOAD, ContactRepeatability
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR, REPEAT
 
+_SCATTER_OF: Final[Mapping[str, str]] = {
+    "contact_area": "contact area A",
+    "ridge_area": "ridge area",
+    "youngs_modulus": "Young's modulus E from load and area",
+    "aspect_ratio": "aspect ratio ℓd/ℓe",
+    "radius_from_indentation": "corrected radius",
+}
+_LEVELS: Final[Mapping[str, str]] = {
+    "person": "between persons",
+    "finger": "between fingers",
+    "session": "between sessions",
+    REPEAT: "repeats",
+}
 _MOST_LOADS: Final = 120
-_OUTWARDS: Final = tuple(LEVELS)[::-1]
+_OUTWARDS: Final = tuple(_LEVELS)[::-1]
 
 
 def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> dict[str, Any]:
@@ -56,9 +68,9 @@ def _kind(result: StudyResult, synthetic: bool) -> dict[str, Any]:
         "synthetic": synthetic,
         "missing": found.missing,
         "borrowed": borrowed(found) if found.known else "",
-        "levels": [LEVELS[level] for level in _OUTWARDS],
+        "levels": [_LEVELS[level] for level in _OUTWARDS],
         "lines": [_line(one, levels) for one, levels in known],
-        "left_out": [LEVELS[level] for level in unknown if level != REPEAT],
+        "left_out": [_LEVELS[level] for level in unknown if level != REPEAT],
     }
 
 
@@ -66,7 +78,7 @@ def _line(one: ScatterRecord, levels: Mapping[str, ScatterLevelRecord]) -> dict[
     repeat, (low, high) = levels[REPEAT], one.icc_ci95
     ends = repeat.log_std_ci95_low, repeat.log_std_ci95_high
     return {
-        "quantity": SCATTER_OF[one.quantity],
+        "quantity": _SCATTER_OF[one.quantity],
         "cells": [_cell(levels[level]) for level in _OUTWARDS],
         "limit": percent(math.expm1(LIMIT_FACTOR * repeat.log_std)),
         "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in ends)),
@@ -78,7 +90,7 @@ def _cell(one: ScatterLevelRecord) -> dict[str, str]:
     if math.isnan(one.log_std):
         return {"text": "missing", "small": one.missing}
     groups = f"{one.groups} group{'s' if one.groups > 1 else ''}"
-    those = " and ".join(LEVELS[each] for each in one.includes.split())
+    those = " and ".join(_LEVELS[each] for each in one.includes.split())
     interval = _range(one.log_std_ci95_low, one.log_std_ci95_high)
     return {
         "text": percent(one.log_std),

@@ -19,7 +19,7 @@ def outcome_lines(result: StudyResult) -> Iterator[str]:
         if not summary.column("pooled").any():
             yield f"{answer.label}: {text.why_not_pooled(summary)}"
     yield from text.fingers_without_results(result)
-    if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
+    if any(one.validity.verdict in {STRAINED, FAILS} for one in result.placements):
         yield (
             f"Hertz theory: {STRAINED} where it is off by more than {100 * STRAINED_ABOVE:.0f} % beyond "
             f"chance, {FAILS} where by more than {100 * FAILS_ABOVE:.0f} % far beyond it; in brackets, its "

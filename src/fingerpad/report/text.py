@@ -177,8 +177,8 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
     """
     synthetic = all(summary.synthetic for summary in result.summaries)
     placed = [
-        (summary, validity)
-        for summary, validity in zip(result.summaries, result.validities, strict=True)
+        (summary, found.validity)
+        for summary, found in zip(result.summaries, result.placements, strict=True)
         if summary.corrected_radius and summary.synthetic == synthetic
     ]
     if shapeless := [name for name, finger in result.fingers.items() if not finger.has_semi_axes]:
@@ -290,13 +290,13 @@ def sequence_notes(result: StudyResult) -> Iterator[str]:
 
 def implausible_values(result: StudyResult) -> Iterator[str]:
     """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
-    for summary, validity in zip(result.summaries, result.validities, strict=True):
-        for check in validity.checks:
+    for summary, found in zip(result.summaries, result.placements, strict=True):
+        for check in found.validity.checks:
             if check.check == AREA_FALLS and check.verdict in {STRAINED, FAILS}:
                 falls = f"the area falls by {100 * (1 - check.value):.0f} % {check.note}"
                 yield f"{placement_words(summary)}: {falls}: {_REMEDIES[AREA_FALLS]}"
-    for summary, validity in zip(result.summaries, result.validities, strict=True):
-        names, modulus = names_by_note(summary), validity.headlines[MODULUS]
+    for summary, found in zip(result.summaries, result.placements, strict=True):
+        names, modulus = names_by_note(summary), found.validity.headlines[MODULUS]
         unusual = modulus.value < _SOFTEST or modulus.value > _HARDEST
         if unusual and result.study.surface == "ridged" and "implausible_modulus" not in names:
             yield (

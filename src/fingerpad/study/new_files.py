@@ -201,7 +201,10 @@ class _Proposing:
         match new.use:
             case "observation" | "sequence" as kind:
                 force = self.force if kind == "sequence" else None
-                self._edit(kind, self._name(new), **values, file=new.file, force=force, **self.own)
+                stem = names.plain_name(PurePosixPath(new.file).stem) or "contact"
+                self._edit(
+                    kind, names.free_name(stem, self.taken), **values, file=new.file, force=force, **self.own
+                )
             case "curve":
                 self._edit("curve", str(self.curves), **values, file=new.file, **self.own)
                 self.curves += 1
@@ -213,9 +216,6 @@ class _Proposing:
     def _edit(self, kind: Kind, key: str, **values: Any) -> None:
         said = {name: value for name, value in values.items() if value not in (None, "")}
         self.edits.append(Edit(kind=kind, key=key, set=said))
-
-    def _name(self, new: NewFile) -> str:
-        return names.free_name(names.plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
 
     def _scale(self, written: str) -> Any:
         """Return the name of a scale, added where several files share it; else its table."""

@@ -9,7 +9,7 @@ from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, enter, manifest, numbers, require_picture, tab_on, unexplained
 from tests.smooth_study import area_at, make_smooth_study
 
-from fingerpad.study.results.table import GLOSSARY
+from fingerpad.web.glossary import GLOSSARY
 
 # Of the example's pad, of which the photographs are rendered.
 TRUTH_MM = (7.9, 13.8, 11.8)

@@ -3,8 +3,7 @@
 Pictures that two persons outlined, the second without seeing what the first drew, tell how these agree.
 """
 
-import hashlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -259,13 +258,8 @@ def is_pooled(measured: Measurement, excluding: frozenset[str]) -> bool:
     return measured.counts and not excluding if measured.pooling is None else measured.pooling
 
 
-QUANTITY_WORDS: Final = {
-    "semi_major_mm": "semi-major axis",
-    "semi_minor_mm": "semi-minor axis",
-    "gross_area_mm2": "gross area A",
-    "ridge_area_mm2": "ridge area",
-}
-QUANTITIES: Final = tuple(QUANTITY_WORDS)
+# By which the measurements of two persons are compared.
+QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -294,11 +288,6 @@ class OperatorPair:
             "iou": self.iou,
             "reason": self.reason,
         }
-
-
-def blind_order(names: Sequence[str]) -> list[str]:
-    """Return names in a random order, the same everywhere, whose first few are a random sample."""
-    return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
 
 def operator_pairs(context: RunContext, perform: Perform) -> list[OperatorPair]:

@@ -105,14 +105,13 @@ class CurveItem(OneTaskItem[Curve]):
     def work(self) -> Work:
         """Return what fits it."""
         pad, given = pad_of(self.finger, self.photographs, self.context), self.context.study.uncertainty
-        return partial(
-            _record,
-            curve=self.table,
+        return RecordedCurve(
+            manifest=self.table,
             poisson_ratio=self.context.study.poisson_ratio,
-            placed=PlacedPad(pad, self.table.wedge_angle_deg, given) if pad.has_semi_axes else None,
             given=given,
             scale=self.scale,
-        )
+            placed=PlacedPad(pad, self.table.wedge_angle_deg, given) if pad.has_semi_axes else None,
+        ).record
 
     def result(self) -> CurveResult:
         """Return what was found, here or elsewhere."""
@@ -168,107 +167,101 @@ def _radii(**inputs: FloatArray) -> dict[str, FloatArray]:
     return {"radius": placed["mean_curvature_radius"], "ratio": ratio}
 
 
-def _record(
-    folder: Path,
-    _out: Path,
-    *,
-    curve: Curve,
-    poisson_ratio: float,
-    placed: PlacedPad | None,
-    given: Uncertainty,
-    scale: FoundScale | str | None,
-) -> Record:
-    pad = None if placed is None else placed.pad
-    found = curve_result(curve, pad, poisson_ratio, folder, scale=scale, given=given)
-    data = found.curve
-    if data is not None and data.area is not None and placed is not None and curve.thickness_mm is None:
-        known = _instrument(curve, scale)
-        if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
-            known["shared_scale_std"] = scale.scale.relative_std
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedCurve:
+    """A loading curve in a file, and what is known of the press."""
+
+    manifest: Curve
+    poisson_ratio: float
+    given: Uncertainty
+    scale: FoundScale | str | None = None  # of its areas, or why there is none
+    placed: PlacedPad | None = None  # the pad that was pressed
+
+    def record(self, folder: Path, _out: Path) -> Record:
+        """Fit it, and with areas and a pad a layer of tissue too: the work of its task."""
+        curve, placed, scale = self.manifest, self.placed, self.scale
+        found = self.fitted(folder, None if placed is None else placed.pad)
+        data = found.curve
+        if data is not None and data.area is not None and placed is not None and curve.thickness_mm is None:
+            known = self._instrument()
+            if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
+                known["shared_scale_std"] = scale.scale.relative_std
+            try:
+                layer = loading.fit_layer_thickness(
+                    data,
+                    placement=placed.placement,
+                    radius_std=placed.radius_std,
+                    radius_ratio_std=placed.radius_ratio_std,
+                    poisson_ratio=self.poisson_ratio,
+                    poisson_ratio_std=self.given.poisson_ratio_std,
+                    load_relative_std=self.given.load_std,
+                    cycle=curve.cycle,
+                    **known,
+                )
+            except FingerpadError as error:
+                layer = loading.LayerThicknessFit.undetermined(str(error))
+            found = replace(found, layer=layer)
+        values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
+        return {"curve": values, "reason": found.reason if found.failed else None}
+
+    def fitted(self, folder: Path, pad: Ellipsoid | None) -> CurveResult:
+        """Read and fit it; one that cannot be used costs itself only.
+
+        Where the record does not determine the whole fit, the slope of area against indentation may still
+        give R_g, with the reason beside it.
+        """
+        curve = self.manifest
+        radius, std, loads = curve.loading_radius_mm, curve.loading_radius_mm_std, curve.fit_load_range_N
+        assert curve.file is not None  # what was found elsewhere is not fitted
+        nothing, data = CurveResult(manifest=curve), None
+        placement = None if pad is None else Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
+        known: dict[str, Any] = {}
         try:
-            layer = loading.fit_layer_thickness(
+            known = self._instrument()
+            with columns_named_by(partial(columns_in_toml, "file_columns")):
+                data = loading.read_loading_curve(
+                    folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
+                )
+            fit = loading.fit_loading_curve(
                 data,
-                placement=placed.placement,
-                radius_std=placed.radius_std,
-                radius_ratio_std=placed.radius_ratio_std,
-                poisson_ratio=poisson_ratio,
-                poisson_ratio_std=given.poisson_ratio_std,
-                load_relative_std=given.load_std,
+                poisson_ratio=self.poisson_ratio,
+                placement=placement,
+                loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
                 cycle=curve.cycle,
+                contact_point=curve.contact_point,
+                fit_load_range=(loads[0], loads[1]) if loads else None,
+                load_relative_std=self.given.load_gain_relative_std,
+                poisson_ratio_std=self.given.poisson_ratio_std,
                 **known,
+                **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
             )
-        except FingerpadError as error:
-            layer = loading.LayerThicknessFit.undetermined(str(error))
-        found = replace(found, layer=layer)
-    values = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "manifest"}
-    return {"curve": values, "reason": found.reason if found.failed else None}
-
-
-def curve_result(
-    curve: Curve,
-    pad: Ellipsoid | None,
-    poisson_ratio: float,
-    folder: Path,
-    *,
-    scale: FoundScale | str | None,
-    given: Uncertainty,
-) -> CurveResult:
-    """Read and fit one loading curve; one that cannot be used costs itself only.
-
-    Where the record does not determine the whole fit, the slope of area against indentation may still give
-    R_g, with the reason beside it.
-    """
-    radius, std, loads = curve.loading_radius_mm, curve.loading_radius_mm_std, curve.fit_load_range_N
-    assert curve.file is not None  # what was found elsewhere is not fitted
-    nothing, data = CurveResult(manifest=curve), None
-    placement = None if pad is None else Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
-    known: dict[str, Any] = {}
-    try:
-        known = _instrument(curve, scale)
-        with columns_named_by(partial(columns_in_toml, "file_columns")):
-            data = loading.read_loading_curve(
-                folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
-            )
-        fit = loading.fit_loading_curve(
-            data,
-            poisson_ratio=poisson_ratio,
-            placement=placement,
-            loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
-            cycle=curve.cycle,
-            contact_point=curve.contact_point,
-            fit_load_range=(loads[0], loads[1]) if loads else None,
-            load_relative_std=given.load_gain_relative_std,
-            poisson_ratio_std=given.poisson_ratio_std,
-            **known,
-            **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
+        except (FingerpadError, *_RECOVERABLE_ERRORS) as error:
+            words = in_study(reason_of(error, f"{curve.file}: cannot be fitted"), folder)
+            reason = words if words.startswith(curve.file) else f"{curve.file}: {words}"
+            failed = replace(nothing, curve=data, reason=reason)
+            return _slope_alone(failed, known) if isinstance(error, FitError) else failed
+        found = fit.loading_radius
+        return replace(
+            nothing,
+            loading_radius=found.value,
+            loading_radius_std=found.std,
+            area_relative_std=known.get("area_relative_std", 0.0) if radius is None else 0.0,
+            curve=data,
+            fit=fit,
+            velocity=_velocity(data, fit, curve.cycle),
+            shape=_shape(placement, fit, self.poisson_ratio),
+            reason=f"{curve.file}: {found.reason}" if found.reason else None,
         )
-    except (FingerpadError, *_RECOVERABLE_ERRORS) as error:
-        words = in_study(reason_of(error, f"{curve.file}: cannot be fitted"), folder)
-        reason = words if words.startswith(curve.file) else f"{curve.file}: {words}"
-        failed = replace(nothing, curve=data, reason=reason)
-        return _slope_alone(failed, known) if isinstance(error, FitError) else failed
-    found = fit.loading_radius
-    return replace(
-        nothing,
-        loading_radius=found.value,
-        loading_radius_std=found.std,
-        area_relative_std=known.get("area_relative_std", 0.0) if radius is None else 0.0,
-        curve=data,
-        fit=fit,
-        velocity=_velocity(data, fit, curve.cycle),
-        shape=_shape(placement, fit, poisson_ratio),
-        reason=f"{curve.file}: {found.reason}" if found.reason else None,
-    )
 
-
-def _instrument(curve: Curve, scale: FoundScale | str | None) -> dict[str, Any]:
-    """Return what the manifest states of the instrument, as the fits take it."""
-    area = curve.area_relative_std if scale is None else 2 * require_scale(scale).scale.relative_std
-    return {
-        **_stated("stage_compliance", curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),
-        **_stated("area_delay", curve.area_delay_s, curve.area_delay_s_std),
-        **({} if area is None else {"area_relative_std": area}),
-    }
+    def _instrument(self) -> dict[str, Any]:
+        """Return what the manifest states of the instrument, as the fits take it."""
+        of, scale = self.manifest, self.scale
+        area = of.area_relative_std if scale is None else 2 * require_scale(scale).scale.relative_std
+        return {
+            **_stated("stage_compliance", of.stage_compliance_mm_per_N, of.stage_compliance_mm_per_N_std),
+            **_stated("area_delay", of.area_delay_s, of.area_delay_s_std),
+            **({} if area is None else {"area_relative_std": area}),
+        }
 
 
 def _stated(name: str, value: float | None, std: float | None) -> dict[str, Any]:

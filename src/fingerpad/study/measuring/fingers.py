@@ -4,7 +4,7 @@ import hashlib
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -78,9 +78,10 @@ class FingerResult:
     """A finger's semi-axes with their covariance."""
 
     manifest: Finger  # what the manifest says of it
-    semi_axes: FloatArray  # palmar, distal, radial–ulnar, mm; NaN where they could not be had
-    covariance: FloatArray
     source: str  # `given`, `photographs` or `none`
+    # Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
+    semi_axes: FloatArray = field(default_factory=lambda: np.full(3, np.nan))
+    covariance: FloatArray = field(default_factory=lambda: np.full((3, 3), np.nan))
     outlines: image.PadSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
@@ -240,13 +241,8 @@ def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunCo
         raise
     except FingerpadError as error:
         reason = in_study(f"finger {finger.name}: {error}", context.folder)
-    return FingerResult(
-        manifest=finger,
-        semi_axes=np.full(3, np.nan),
-        covariance=np.full((3, 3), np.nan),
-        source="photographs" if finger.photographs else "none",
-        reason=reason,
-    )
+    source = "photographs" if finger.photographs else "none"
+    return FingerResult(manifest=finger, source=source, reason=reason)
 
 
 def _overlay(finger: str, face: str, file: str) -> str:

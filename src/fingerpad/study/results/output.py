@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from json.encoder import encode_basestring
 from pathlib import Path
@@ -17,15 +17,15 @@ from fingerpad._rounding import positive_with_uncertainty
 from fingerpad._words import counted
 from fingerpad.image import SEMI_AXES, PadSemiAxes
 from fingerpad.study.measuring.context import FoundScale
-from fingerpad.study.measuring.curves import CurveResult, loading_radius
+from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import curve_on_layer
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.pooling import PooledRadius, area_exponent
+from fingerpad.study.results.pooling import exponent_keys
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, first_record, items, with_areas
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
 from fingerpad.study.results.validity import model_checks
 
 
@@ -39,18 +39,13 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
         dictionary = ((each.name, each.dtype, each.unit, each.group, each.meaning) for each in columns)
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         summary = summary_of(result)
-        by_load = map(dict, summary.by_load)
-        _write_records(out / "by_load.csv", summary_file.AtLoadRecord.model_fields, by_load)
-        levels = (dict(level) for one in summary.repeatability.scatter for level in one.levels)
-        _write_records(out / "repeatability.csv", summary_file.ScatterLevelRecord.model_fields, levels)
+        loads = (dict(one).values() for one in summary.by_load)
+        write_csv(out / "by_load.csv", [summary_file.AtLoadRecord.model_fields, *loads])
+        levels = (dict(level).values() for one in summary.repeatability.scatter for level in one.levels)
+        write_csv(out / "repeatability.csv", [summary_file.ScatterLevelRecord.model_fields, *levels])
         if pairs := [one.as_record() for one in result.operator_pairs]:
-            _write_records(out / "second_operator.csv", pairs[0], pairs)
+            write_csv(out / "second_operator.csv", [pairs[0], *(pair.values() for pair in pairs)])
         (out / "summary.json").write_text(summary.text(), encoding="utf-8")
-
-
-def _write_records(path: Path, names: Iterable[str], records: Iterable[Mapping[str, Any]]) -> None:
-    """Write records with the same keys as a table."""
-    write_csv(path, [tuple(names), *(record.values() for record in records)])
 
 
 def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
@@ -96,7 +91,7 @@ def summary_of(result: StudyResult) -> summary_file.SummaryFile:
         **({"poisson_ratio": poisson_ratio} if poisson_ratio != 0.5 else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
-        summaries=list(_placements(result)),
+        summaries=result.placements,
         repeatability=summary_file.RepeatabilityRecord(
             contact=[
                 summary_file.ContactRepeatabilityRecord.of(
@@ -169,56 +164,6 @@ def _photograph(one: PhotographResult) -> summary_file.PhotographRecord:
     )
 
 
-def _placements(result: StudyResult) -> Iterator[summary_file.PlacementRecord]:
-    for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True):
-        loading = loading_radius(result.curves, summary.finger_and_wedge)
-        framed = summary.column("frame").notna()
-        counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
-        # Places are by load: the last is that of the highest.
-        highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
-        radius = validity.headlines[model_checks.RADIUS]
-        yield summary_file.PlacementRecord.of(
-            summary,
-            summary.first,  # of the undeformed pad, the same in all rows
-            count=int((~framed).sum()),
-            frames=int(framed.sum()),
-            **_pooled("radius_from_indentation", summary.corrected_radius),
-            **_pooled("radius_from_compliance", summary.compliance_radius),
-            loading_radius_mm=loading and loading.value,
-            loading_radius_mm_std=loading and loading.std,
-            highest_load_N=highest.get("load_N"),
-            highest_area_mm2=highest.get("gross_area_mm2"),
-            highest_area_mm2_std=highest.get("gross_area_mm2_std"),
-            **_exponent(summary.areas),
-            uncertainty_check=check,
-            radius_from_indentation_mm_model_std=radius.model_std,
-            radius_from_indentation_mm_total_std=radius.total_std,
-            radius_from_indentation_mm_verdict=radius.verdict,
-            validity=validity,
-        )
-
-
-def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
-    if pooled is None:
-        return {f"{name}_mm": None, f"{name}_count": 0}
-    return {
-        f"{name}_mm": pooled.value,
-        f"{name}_mm_std": pooled.total_std,
-        f"{name}_mm_fixed_geometry_std": pooled.fixed_geometry,
-        f"{name}_mm_ci95": pooled.interval,
-        f"{name}_count": pooled.count,
-        f"{name}_effective_count": pooled.effective_count,
-        f"{name}_largest_weight": pooled.largest_weight,
-        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
-        f"{name}_same_for_all_mm": pooled.fixed.value,
-        f"{name}_same_for_all_mm_std": pooled.fixed.total_std,
-        f"{name}_between_std_mm": pooled.between_std,
-        f"{name}_scatter_within_loads_mm": pooled.scatter.components["repeat"].std,
-        f"{name}_scatter_between_loads_mm": pooled.scatter.components["load"].std,
-        f"{name}_variance_shares": pooled.budget,
-    }
-
-
 def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
     counts: dict[str, Any] = {"notes": []}  # the manifest has notes of its own
@@ -242,19 +187,10 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.Se
         phase_starts_s=phases and [(one.phase, one.start_s) for one in phases.correction.starts],
         rows=len(frames),
         pooled=int(frames["pooled"].sum()),
-        **_exponent(frames),
+        **exponent_keys(frames),
         overlays=sequence.overlays,
         reason=sequence.reason,
     )
-
-
-def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
-    exponent = area_exponent(rows)
-    return {
-        "area_exponent": exponent.value,
-        "area_exponent_std": exponent.std,
-        "area_exponent_ci95": exponent.interval,
-    }
 
 
 def _curve(result: StudyResult, curve: CurveResult) -> summary_file.CurveRecord:
@@ -373,4 +309,4 @@ def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
 
 def answers_of(result: StudyResult) -> list[Answer]:
     """Return what was found of each finger at each placement."""
-    return answers(_placements(result), result.by_load)
+    return answers(result.placements, result.by_load)

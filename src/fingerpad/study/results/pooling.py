@@ -12,15 +12,8 @@ from scipy import special
 from fingerpad import uncertainty
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.estimate import Estimate
-from fingerpad.study.results import layer, model
+from fingerpad.study.results import layer, model, summary_file
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.summary_file import (
-    PLACEMENT,
-    HighestLoadOnLayer,
-    OnLayerRecord,
-    PlacementKey,
-    PooledOnLayerRecord,
-)
 from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty.press_slope import PressSlope
 from fingerpad.uncertainty.propagate import NORMAL_97_5
@@ -63,6 +56,16 @@ def area_exponent(rows: pd.DataFrame) -> Estimate:
     tilts = [float(weights @ edge) for edge in edges_of(sound)]
     value, half = float(value), math.hypot(half, *(NORMAL_97_5 * tilt for tilt in tilts))
     return Estimate(value=value, std=math.hypot(std, *tilts), interval=(value - half, value + half))
+
+
+def exponent_keys(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return `area_exponent` by the keys that records have for it."""
+    exponent = area_exponent(rows)
+    return {
+        "area_exponent": exponent.value,
+        "area_exponent_std": exponent.std,
+        "area_exponent_ci95": exponent.interval,
+    }
 
 
 def items_of(rows: pd.DataFrame) -> Indices:
@@ -210,7 +213,7 @@ class _Estimates:
 
 def _on_layer(
     rows: Rows, pooled: pd.DataFrame, estimate: Indices, highest: HighestLoad
-) -> OnLayerRecord | None:
+) -> summary_file.OnLayerRecord | None:
     """Summarise the rows that count at one placement; None where the finger has no thickness.
 
     `highest` is the contact at the highest load that is in the range of the laws, if any is.
@@ -225,16 +228,16 @@ def _on_layer(
     means: dict[str, Any] = {}
     for name in layer.POOLED_ON_LAYER:
         means |= _pooled_on_layer(rows, pooled, estimate, name)
-    return OnLayerRecord(
+    return summary_file.OnLayerRecord(
         effective_thickness_mm=thickness,
         effective_thickness_mm_std=std,
-        highest_load=HighestLoadOnLayer(
+        highest_load=summary_file.HighestLoadOnLayer(
             observation=highest.observation,
             load_N=highest.load,
             layer_flag=str(found.flag[0]),
             **layer.outputs_by_key(found.propagated, (*layer.HERTZ_OF, *layer.HERTZ_OF.values())),
         ),
-        pooled=PooledOnLayerRecord(**means),
+        pooled=summary_file.PooledOnLayerRecord(**means),
     )
 
 
@@ -279,10 +282,11 @@ class Summary:
     corrected_radius: PooledRadius | None
     # Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     compliance_radius: PooledRadius | None
-    on_layer: OnLayerRecord | None  # the same contacts on the finger's layer; None also without a thickness
+    # The same contacts on the finger's layer; None also without a thickness.
+    on_layer: summary_file.OnLayerRecord | None
 
     @property
-    def key(self) -> PlacementKey:
+    def key(self) -> summary_file.PlacementKey:
         """The values of `PLACEMENT`, which no other summary has."""
         return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 
@@ -305,11 +309,6 @@ class Summary:
         return self.table.iloc[self.places[chosen]]
 
     @property
-    def contacts(self) -> pd.DataFrame:
-        """Rows of single contacts, without frames."""
-        return self.where(self.column("frame").isna())
-
-    @property
     def areas(self) -> pd.DataFrame:
         """What tells of areas and loads of single contacts, or of frames where there are none."""
         single = self.column("frame").isna()
@@ -327,11 +326,11 @@ _POOLED: Final = (
 def pool_contacts(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
     good = np.flatnonzero(rows.table["status"] == "measured")
-    found = groups(rows.table[[*PLACEMENT]].iloc[good], *PLACEMENT)
+    found = groups(rows.table[[*summary_file.PLACEMENT]].iloc[good], *summary_file.PLACEMENT)
     return [_summary(key, rows, good[places]) for key, places in found.items()]
 
 
-def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
+def _summary(key: summary_file.PlacementKey, rows: Rows, places: Indices) -> Summary:
     table, on_layer = rows.table, None
     pooled = table[[*_POOLED]].iloc[places[np.isin(places, rows.pooled)]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")
@@ -344,7 +343,7 @@ def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
         highest = rows.highest_on_layer.get(key) or rows.highest_load[key]
         on_layer = _on_layer(rows, pooled, estimate, highest)
     return Summary(
-        **dict(zip(PLACEMENT, key, strict=True)),
+        **dict(zip(summary_file.PLACEMENT, key, strict=True)),
         table=table,
         places=by_load.index.to_numpy(),
         corrected_radius=corrected,

@@ -42,20 +42,11 @@ from fingerpad.uncertainty.repeats import ContactRepeatability, nominal_loads, t
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR, MIN_LEVEL_FREEDOM, REPEAT
 from fingerpad.units import KPA_PER_MPA
 
-# Columns of which the scatter is stated, each as the standard deviation of its logarithm.
-SCATTER_OF: Final[Mapping[str, str]] = {
-    "contact_area": "contact area A",
-    "ridge_area": "ridge area",
-    "youngs_modulus": "Young's modulus E from load and area",
-    "aspect_ratio": "aspect ratio ℓd/ℓe",
-    "radius_from_indentation": "corrected radius",
-}
-LEVELS: Final[Mapping[str, str]] = {
-    "person": "between persons",
-    "finger": "between fingers",
-    "session": "between sessions",
-    REPEAT: "repeats",
-}
+# Quantities of which the scatter is stated, each as the standard deviation of its logarithm.
+SCATTER_OF: Final = (
+    *("contact_area", "ridge_area", "youngs_modulus"),
+    *("aspect_ratio", "radius_from_indentation"),
+)
 _BETWEEN: Final = ("person", "finger")
 # Columns from which `contact_quantity` finds `SCATTER_OF`.
 QUANTITY_COLUMNS: Final = (

@@ -20,16 +20,17 @@ from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.contacts import QUANTITIES, OperatorPair
 from fingerpad.study.measuring.context import FoundScale
-from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results import summary_file
-from fingerpad.study.results.pooling import Summary, pool_contacts
+from fingerpad.study.results.pooling import PooledRadius, Summary, exponent_keys, pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.table import groups, records
+from fingerpad.study.results.table import first_record, groups, records, with_areas
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
+from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.uncertainty.repeats import ContactRepeatability
 
 _RADIUS: Final = "radius_from_indentation"
@@ -82,14 +83,11 @@ class StudyResult(Displayed):
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]  # named scales, or why there is none
     summaries: list[Summary]  # one per finger and placement
-    # of the counted contact at the highest load in each summary; None where none counts or it cannot be
-    # checked
-    checks: list[summary_file.UncertaintyCheckRecord | None]
+    placements: list[summary_file.PlacementRecord]  # what each summary comes to, and whether the model holds
     # what repeats tell of one impression: of a real contact (False), of a synthetic one (True)
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[summary_file.ScatterRecord]  # of each quantity between repeats, sessions, fingers, persons
     by_load: list[summary_file.AtLoadRecord]  # area and modulus of each finger at each load
-    validities: list[summary_file.ValidityRecord]  # whether the model holds in each summary
     curves: list[CurveResult]
     provenance: dict[str, Any]  # versions, input hashes, formulas
     notes: tuple[str, ...] = ()  # what is odd about people's corrections
@@ -180,10 +178,9 @@ class StudyResult(Displayed):
                 replace(one, table=rows, places=rows.index.get_indexer(one.places))
                 for one in compress(self.summaries, own)
             ],
-            checks=list(compress(self.checks, own)),
+            placements=list(compress(self.placements, own)),
             scatter=[],
             by_load=[one for one in self.by_load if one.finger == name],
-            validities=list(compress(self.validities, own)),
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
             provenance={**self.provenance, "inputs_sha256": hashes},
             notes=(),
@@ -225,6 +222,7 @@ def result_of(
     validities = validity_of(rows, found, measured.curves)
     table = with_verdicts(rows.table, found, validities)
     found = [replace(summary, table=table) for summary in found]
+    checks = _checks([rows.highest_load.get(summary.key) for summary in found], perform)
     return StudyResult(
         study=study,
         folder=measured.items.context.folder,
@@ -233,7 +231,7 @@ def result_of(
         sequences=measured.sequences,
         scales={name: measured.items.context.scale(name) for name in study.scales},
         summaries=found,
-        checks=_checks([rows.highest_load.get(summary.key) for summary in found], perform),
+        placements=[_placement(*one, measured.curves) for one in zip(found, checks, validities, strict=True)],
         repeatability=repeatability,
         scatter=scatter,
         by_load=pool_by_load(
@@ -241,12 +239,65 @@ def result_of(
             scatter,
             {summary.key: validity for summary, validity in zip(found, validities, strict=True)},
         ),
-        validities=validities,
         curves=measured.curves,
         provenance=origin,
         notes=notes,
         operator_pairs=measured.operator_pairs,
     )
+
+
+def _placement(
+    summary: Summary,
+    check: summary_file.UncertaintyCheckRecord | None,
+    validity: summary_file.ValidityRecord,
+    curves: Sequence[CurveResult],
+) -> summary_file.PlacementRecord:
+    loading = loading_radius(curves, summary.finger_and_wedge)
+    framed = summary.column("frame").notna()
+    counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
+    # Places are by load: the last is that of the highest.
+    highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
+    radius = validity.headlines[RADIUS]
+    return summary_file.PlacementRecord.of(
+        summary,
+        summary.first,  # of the undeformed pad, the same in all rows
+        count=int((~framed).sum()),
+        frames=int(framed.sum()),
+        **_pooled("radius_from_indentation", summary.corrected_radius),
+        **_pooled("radius_from_compliance", summary.compliance_radius),
+        loading_radius_mm=loading and loading.value,
+        loading_radius_mm_std=loading and loading.std,
+        highest_load_N=highest.get("load_N"),
+        highest_area_mm2=highest.get("gross_area_mm2"),
+        highest_area_mm2_std=highest.get("gross_area_mm2_std"),
+        **exponent_keys(summary.areas),
+        uncertainty_check=check,
+        radius_from_indentation_mm_model_std=radius.model_std,
+        radius_from_indentation_mm_total_std=radius.total_std,
+        radius_from_indentation_mm_verdict=radius.verdict,
+        validity=validity,
+    )
+
+
+def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
+    if pooled is None:
+        return {f"{name}_mm": None, f"{name}_count": 0}
+    return {
+        f"{name}_mm": pooled.value,
+        f"{name}_mm_std": pooled.total_std,
+        f"{name}_mm_fixed_geometry_std": pooled.fixed_geometry,
+        f"{name}_mm_ci95": pooled.interval,
+        f"{name}_count": pooled.count,
+        f"{name}_effective_count": pooled.effective_count,
+        f"{name}_largest_weight": pooled.largest_weight,
+        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
+        f"{name}_same_for_all_mm": pooled.fixed.value,
+        f"{name}_same_for_all_mm_std": pooled.fixed.total_std,
+        f"{name}_between_std_mm": pooled.between_std,
+        f"{name}_scatter_within_loads_mm": pooled.scatter.components["repeat"].std,
+        f"{name}_scatter_between_loads_mm": pooled.scatter.components["load"].std,
+        f"{name}_variance_shares": pooled.budget,
+    }
 
 
 def _checks(

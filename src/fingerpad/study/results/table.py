@@ -203,19 +203,3 @@ def numbered(items: Iterable[Hashable]) -> Indices:
     """Return a number for each item, the same for the same, counted from 0 in the order of coming."""
     numbers: dict[Hashable, int] = {}
     return np.array([numbers.setdefault(item, len(numbers)) for item in items], dtype=np.intp)
-
-
-@dataclass(frozen=True, slots=True)
-class Symbol:
-    """A symbol and its meaning."""
-
-    name: str
-    meaning: str  # what it is, and what it is compared with
-    unit: str  # its unit, as people see it; empty for pure numbers
-    column: str = ""  # the column of ``results.csv`` that holds it; empty where none does
-
-
-# By the symbol as plain text: a letter, then _subscript and ^superscript.
-GLOSSARY: Final[Mapping[str, Symbol]] = {
-    line.pop("symbol"): Symbol(**line) for line in package_table("fingerpad.study.results", "glossary.csv")
-}

@@ -1,6 +1,7 @@
 """Corrections of items: saved with author and time, undone and redone, and repeated by a second operator."""
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Sequence
 from functools import partial
 from http import HTTPStatus
 from typing import Annotated, Any, Final, Literal, TypeAlias
@@ -18,7 +19,6 @@ from fingerpad.study.corrections.log import (
     on_another_image,
 )
 from fingerpad.study.manifest.models import Observation, Study
-from fingerpad.study.measuring.contacts import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, Review, review_of
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
@@ -193,6 +193,11 @@ def similar(opened: Opened, item: Item) -> SimilarImages:
 
     settings = _with_settings_of(source, ContactCorrection()).as_json()
     return SimilarImages(settings=settings, images=[image(one) for one in _similar_images(item, study)])
+
+
+def blind_order(names: Sequence[str]) -> list[str]:
+    """Return names in a random order, the same everywhere, whose first few are a random sample."""
+    return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
 
 @router.get("/second-operator")

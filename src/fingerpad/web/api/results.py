@@ -21,9 +21,10 @@ from fingerpad.report.text import check_words, pooling_words, remedies
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results import output
 from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey, UncertaintyCheckRecord
-from fingerpad.study.results.table import COLUMNS, GLOSSARY, Row, items, records, with_areas
+from fingerpad.study.results.table import COLUMNS, Row, items, records, with_areas
 from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of, with_unit
 from fingerpad.web.api.base import Opened, Params, Query, here, router
+from fingerpad.web.glossary import GLOSSARY
 
 _MOST_IN_QUESTION: Final = 200
 Plotted: TypeAlias = Literal[

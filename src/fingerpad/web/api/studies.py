@@ -23,11 +23,11 @@ from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.models import SCALE_KINDS, ScaleTable
 from fingerpad.study.new_files import TAKES, USES
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.table import GLOSSARY, Symbol
 from fingerpad.web.answers import Answer, RequestError
 from fingerpad.web.api.base import Body, Here, Opened, Params, here, router
 from fingerpad.web.api.state import State, state_of
 from fingerpad.web.events import Event, RunStatus
+from fingerpad.web.glossary import GLOSSARY, Symbol
 from fingerpad.web.workspace import NAME, PLOTLY_ADDRESS, name_of, title_of
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]

@@ -20,15 +20,10 @@ from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
 from fingerpad.study.measuring.fingers import pad_placement
+from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary_file import (
-    HeadlineRecord,
-    HighestLoadOnLayer,
-    LayerValidityRecord,
-    ValidityRecord,
-)
 from fingerpad.study.results.table import COLUMNS, Indices, Row, first_record
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
@@ -529,7 +524,7 @@ def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator
 
 
 def _modulus_check(
-    case: FingerAtAngle, highest: HighestLoadOnLayer, curves: Sequence[CurveResult]
+    case: FingerAtAngle, highest: summary_file.HighestLoadOnLayer, curves: Sequence[CurveResult]
 ) -> ValidityCheck:
     by_curve = [
         LayerQuantity.of(found, "youngs_modulus_from_indentation_on_layer")
@@ -578,7 +573,7 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
 
 def validity_of(
     rows: Rows, summaries: Sequence[Summary], curves: Sequence[CurveResult]
-) -> list[ValidityRecord]:
+) -> list[summary_file.ValidityRecord]:
     """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
     cases = [FingerAtAngle(rows, one, curves) for one in summaries]
     routes = {
@@ -621,7 +616,7 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 
 def _validity(
     case: FingerAtAngle, routes: Mapping[tuple[bool, str], ModelDiscrepancy | None]
-) -> ValidityRecord:
+) -> summary_file.ValidityRecord:
     """Return the checks of a place with the headlines that they concern."""
     over_loads = _change_over_loads(case)
     headlines = {}
@@ -635,7 +630,7 @@ def _validity(
             words.append("its change over loads")
         relative = math.hypot(*parts) if parts else math.nan
         value, std = _result(case, name)
-        headlines[name] = HeadlineRecord(
+        headlines[name] = summary_file.HeadlineRecord(
             value=value,
             value_std=std,
             model_std=value * relative,
@@ -645,10 +640,10 @@ def _validity(
             verdict=overall_verdict(one.verdict for one in case.checks if name in one.headlines),
         )
     worst = overall_verdict(one.verdict for one in case.checks)
-    on_layer = LayerValidityRecord(
+    on_layer = summary_file.LayerValidityRecord(
         verdict=overall_verdict(one.verdict for one in case.of_layer), checks=list(case.of_layer)
     )
-    return ValidityRecord(
+    return summary_file.ValidityRecord(
         model="Hertz theory",
         # An exponent alone, of a finger without semi-axes, tests no theory.
         verdict=NOT_TESTED if worst == HOLDS and not case.highest else worst,
@@ -678,7 +673,7 @@ def _change_over_loads(case: FingerAtAngle) -> float:
 
 
 def with_verdicts(
-    table: pd.DataFrame, summaries: Iterable[Summary], validities: Iterable[ValidityRecord]
+    table: pd.DataFrame, summaries: Iterable[Summary], validities: Iterable[summary_file.ValidityRecord]
 ) -> pd.DataFrame:
     """Return the table with the columns of the verdict, of what the model adds, and of the total."""
     stds = [f"{name}_{part}_std" for name in HEADLINES for part in ("model", "total")]
