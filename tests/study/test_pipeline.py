@@ -91,7 +91,7 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo):
     assert pooled["left_index_ellipse", 30.0, False].count == 1
     truth = 13.6077 * 1.0004  # R_0g F2⁻³ of the true pad
     found = pooled["synthetic_pad", 30.0, True]
-    assert abs(found.value - truth) < 2 * found.std
+    assert abs(found.value - truth) < 2 * found.total_std
 
 
 def test_tables_agree_with_each_other(demo):
