@@ -175,18 +175,12 @@ def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label:
 
 
 def _tint_ridges(large: Canvas, contact_image: ContactImageResult, *, enlarged: bool) -> Canvas:
-    ridges = contact_image.ridges.view(np.uint8) * np.uint8(255)
+    ridges = contact_image.ridges.view(np.uint8) * np.uint8(255 * _TINT)
     way = cv2.INTER_LINEAR if enlarged else cv2.INTER_AREA
-    share = np.asarray(cv2.resize(ridges, large.shape[::-1], interpolation=way), dtype=np.uint16)
-    # Each pair of a share of ridge and a grey level has one colour, four bytes that are looked up at once.
-    shares, levels = np.meshgrid(*[np.arange(256, dtype=np.float32)] * 2, indexing="ij")
-    colours = np.zeros((256, 256, 4), dtype=np.uint8)
-    for channel, colour in enumerate(RIDGE_COLOUR):
-        tinted = levels + shares / 255 * np.float32(_TINT) * (np.float32(colour) - levels)
-        colours[..., channel] = np.rint(tinted).clip(0, 255)
-    pairs = np.asarray(share * np.uint16(256) + large, dtype=np.uint16)
-    found = np.take(colours.view(np.uint32), pairs).view(np.uint8).reshape(*large.shape, 4)
-    return np.asarray(cv2.cvtColor(found, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+    share = cv2.resize(ridges, large.shape[::-1], interpolation=way)
+    rest = cv2.subtract(large, cv2.multiply(large, share, scale=1 / 255))
+    channels = [cv2.addWeighted(rest, 1, share, colour / 255, 0) for colour in RIDGE_COLOUR]
+    return np.asarray(cv2.merge(channels), dtype=np.uint8)
 
 
 def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:

@@ -16,13 +16,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import UInt8, centres_inside
 from fingerpad.image.contact_image.calibration import RIDGE_AREA
-from fingerpad.image.contact_image.edge import (
-    Edge,
-    axis_weights,
-    flattest,
-    outline_noise,
-    running_mean,
-)
+from fingerpad.image.contact_image.edge import Edge, axis_weights, flattest, outline_noise, running_mean
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges

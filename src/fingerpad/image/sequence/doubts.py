@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
+from scipy.ndimage import rank_filter
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array, robust_std
 from fingerpad._plausible import unit_doubts
@@ -163,9 +164,7 @@ def _out_of_step(contacts: LoadedFrames, force: ForceSignal | None) -> str | Non
 
 def _off_neighbours(values: FloatArray) -> FloatArray:
     """Return by how much each value lies outside the two before and the two after it, where it does."""
-    from scipy import ndimage  # noqa: PLC0415 (slow to import, seldom needed)
-
-    second, last_but_one = (ndimage.rank_filter(values, rank, size=5) for rank in (1, -2))
+    second, last_but_one = (rank_filter(values, rank, size=5) for rank in (1, -2))
     return as_float_array(np.maximum(second - values, values - last_but_one))
 
 

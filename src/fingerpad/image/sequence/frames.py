@@ -22,14 +22,7 @@ from fingerpad._display import Displayed
 from fingerpad._words import counted, joined
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_finite, check_memory, luma, top_level
-from fingerpad.image.read import (
-    SQUARE,
-    check_regular,
-    decoding,
-    read_levels,
-    read_start,
-    resolution_of_page,
-)
+from fingerpad.image.read import SQUARE, check_regular, decoding, read_levels, read_start, resolution_of_page
 from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
@@ -112,20 +105,7 @@ class Frames(Displayed):
         return self.between(0, self.count)
 
     def between(self, start: int, stop: int) -> Generator[Frame, None, None]:
-        """Iterate over frames.
-
-        A folder or a TIFF is entered at `start`; a video must be decoded up to there.
-
-        Parameters
-        ----------
-        start, stop : int
-            First frame, and the frame after the last.
-
-        Yields
-        ------
-        Frame
-            In order.
-        """
+        """Iterate over the frames from `start` to before `stop`; a video must be decoded up to there."""
         shape = None
         if start:
             with closing(self._decode(0, self.count)) as frames:
@@ -141,23 +121,7 @@ class Frames(Displayed):
                 yield frame
 
     def at(self, index: int) -> Frame:
-        """Decode one frame.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from zero.
-
-        Returns
-        -------
-        Frame
-            The frame.
-
-        Raises
-        ------
-        ImageError
-            If there is no such frame.
-        """
+        """Decode one frame by its number, from zero; `ImageError` if there is none."""
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
         with closing(self._decode(index, index + 1)) as frames:

@@ -7,6 +7,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array, set_fields
 from fingerpad._display import Displayed
@@ -41,16 +42,16 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     if not time.size:
         return np.empty(0, dtype=np.int8)
     labels = np.full(time.size, _BEFORE, dtype=np.int8)
-    values = _moving_average(values, _window(values.size, _SMOOTHING / 2))
+    values = _running_mean(values, _SMOOTHING / 2 * values.size)
     low, high = float(values.min()), float(values.max())
     touching = np.flatnonzero(values > low + _CONTACT_LEVEL * (high - low))
     if not high > low or touching.size < 3:
         return labels
     first, last = int(touching[0]), int(touching[-1])
     labels[last + 1 :] = _AFTER
-    window = _window(last - first + 1, _SMOOTHING)
-    smooth = _moving_average(values, window)
-    rate = _moving_average(np.gradient(smooth, time), window)[first : last + 1]
+    count = _SMOOTHING * (last - first + 1)
+    smooth = _running_mean(values, count)
+    rate = _running_mean(np.gradient(smooth, time), count)[first : last + 1]
     motion = find_motion(
         rate,
         rising=usual_rate(np.maximum(rate, 0)),
@@ -100,11 +101,6 @@ def phase_intervals(time: ArrayLike, values: ArrayLike) -> PhaseIntervals:
     return PhaseIntervals(start, [PHASES[label] for label in labels[changes]])
 
 
-def _window(count: int, share: float) -> int:
-    """Return an odd number of samples, about a share of a count."""
-    return 2 * round(share * count / 2) + 1
-
-
-def _moving_average(values: FloatArray, window: int) -> FloatArray:
-    padded = np.pad(values, window // 2, mode="edge")
-    return np.asarray(np.convolve(padded, np.full(window, 1 / window), mode="valid"))
+def _running_mean(values: FloatArray, count: float) -> FloatArray:
+    """Return means over the odd number of samples next to a count."""
+    return np.asarray(uniform_filter1d(values, 2 * round(count / 2) + 1, mode="nearest"))
