@@ -102,10 +102,7 @@ def region_window(region: Sequence[float], shape: tuple[int, int], least: int = 
 def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     """Return the box round a mask with a margin, inside the picture."""
     x, y, columns, rows = cv2.boundingRect(mask.view(np.uint8))
-    return (
-        slice(max(0, y - margin), y + rows + margin),
-        slice(max(0, x - margin), x + columns + margin),
-    )
+    return slice(max(0, y - margin), y + rows + margin), slice(max(0, x - margin), x + columns + margin)
 
 
 def centres_inside(corners: FloatArray, shape: tuple[int, int]) -> BoolArray:

@@ -101,7 +101,7 @@ def measure_contact_image(
     """
     pixels = levels_of(image, colour=options.get("surface") == "smooth")
     prepared = prepare_contact_image(pixels, scale, **options)
-    return replace(prepared.measure(), _picture=np.asarray(pixels))
+    return replace(prepared.measure(), picture=np.asarray(pixels))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Final
 
 import cv2
@@ -86,6 +86,10 @@ class ContactImageResult(Recorded):
     surface : str
         ``ridged``, or ``smooth``: then all that concerns ridges is NaN, and the threshold is half of the
         contrast.
+    shape : (int, int)
+        Rows and columns of the picture that was measured.
+    picture : ndarray or None
+        Its levels, where they are kept.
 
     Examples
     --------
@@ -119,14 +123,9 @@ class ContactImageResult(Recorded):
     dark_on_light: bool
     flags: tuple[str, ...]
     surface: Surface = "ridged"
-    _shape: tuple[int, int]
+    shape: tuple[int, int] = field(repr=False)
+    picture: npt.NDArray[Any] | None = field(default=None, repr=False)
     _ridges: RidgeMap | None
-    _picture: npt.NDArray[Any] | None = None
-
-    @property
-    def picture(self) -> npt.NDArray[Any] | None:
-        """The grey levels that were measured, None where they are not kept."""
-        return self._picture
 
     @property
     def ellipse_px(self) -> ImageEllipse:
@@ -203,19 +202,14 @@ class ContactImageResult(Recorded):
     @property
     def region(self) -> BoolArray:
         """Mask of the contact, computed from the outline on demand, (rows, columns) of the picture."""
-        return centres_inside(self.outline, self._shape)
+        return centres_inside(self.outline, self.shape)
 
     @property
     def ridges(self) -> BoolArray:
         """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
         if self._ridges is None:
-            return np.zeros(self._shape, dtype=bool)
-        return np.asarray(self.region & self._ridges.in_picture(self._shape))
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of the picture that was measured."""
-        return self._shape
+            return np.zeros(self.shape, dtype=bool)
+        return np.asarray(self.region & self._ridges.in_picture(self.shape))
 
     @property
     def settings(self) -> ContactImageOptions:
@@ -286,7 +280,7 @@ def evaluate(
         dark_on_light=view.dark_on_light,
         flags=tuple(flag for flag in FLAGS["contact"] if doubts.get(flag, False)),
         surface="smooth" if ridges is None else "ridged",
-        _shape=view.part.shape,
+        shape=view.part.shape,
         _ridges=fine,
     )
 
