@@ -6,9 +6,8 @@ edge is. Limits of the signs were put where such fits err least.
 
 Slopes in use depart from what is printed here. Bells alone, whose outermost ring touches nothing, want twice
 the paleness: with it, areas of two more renderers, whose bells touch everywhere, come out 4 to 9 % too large,
-2 to 5 % with the slope in use. Light touches on whorls want twice what all images want of ridges along the
-edge. Both were chosen by hand, and the constant then moved in by some hundredths of a period until small
-sharp contacts were right to 1 %.
+2 to 5 % with the slope in use. It was chosen by hand, and the constant then moved in by some hundredths of a
+period until small sharp contacts were right to 1 %.
 
 An hour on one core for four images of each condition.
 """

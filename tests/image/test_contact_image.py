@@ -8,8 +8,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from benchmarks.truth import image_sets
+from benchmarks.truth import elastic_ridges, image_sets
 from benchmarks.truth.independent_images import CONDITIONS, render
+from benchmarks.truth.true_image import named_rng
 from PIL import Image
 from skimage.measure import label, regionprops
 
@@ -107,6 +108,21 @@ def test_the_edge_is_less_certain_where_ridges_fade_not_where_a_picture_is_noisy
     assert noisy.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.1)
     assert soft.edge_offset_std > 2 * sharp.edge_offset_std
     assert soft.noise_covariance[2, 2] > 1.5 * sharp.noise_covariance[2, 2]
+
+
+def test_the_edge_of_a_light_touch_is_less_certain():
+    light, firm = (
+        measure_contact_image(truth.pixels, truth.mm_per_px).edge_offset_std
+        for truth in (render_contact_image(semi_major=size, semi_minor=size, seed=1) for size in (2.5, 8))
+    )
+    assert light > 1.3 * firm
+
+
+def test_ridges_that_thin_steeply_tell_of_an_edge_beyond_them():
+    bell = replace(elastic_ridges.CONDITIONS["bell-shaped pressure"], area=(70, 90), pixel=(0.05, 0.05))
+    truth = elastic_ridges.render(named_rng(5, "bell", 1), bell)
+    found = measure_contact_image(truth.pixels, truth.mm_per_px)
+    assert abs(found.gross_area - truth.gross_area) < 1.96 * found.gross_area_std < 0.1 * truth.gross_area
 
 
 def test_a_halo_widens_the_interval_but_does_not_move_the_edge():

@@ -27,8 +27,8 @@ class EdgeModel:
     by_paleness: float = 2.0  # periods a contrast; by how much less than usual the last period has
     least_usual: float = 0.42  # contrasts; the last period of a contact has, unless pressure falls off slowly
     by_rim: float = -0.3  # periods; where a rim covers all ridges
-    by_followed: float = 0.6  # periods; by how much more of the outline than usual follows ridges
-    usually_followed: float = 0.25  # of the outline follows ridges
+    by_steepness: float = 2.0  # periods; by how much more the last period thins
+    usual_thinning: float = 0.25  # than this, the most of contacts whose pressure does not fall off slowly
 
     # Where that is looked at.
     ground: Band = (2.0, 3.0)  # the ground
@@ -48,11 +48,12 @@ class EdgeModel:
     bare: float = 0.45  # of the interior's variation; with less there are no ridges along the outline
 
     # Standard deviation that all of the edge shares.
-    shared_std: float = 0.09  # periods; at least
-    beyond_std: float = 2.8  # periods a contrast; by the ridges beyond
+    shared_std: float = 0.07  # periods; at least
+    small_std: float = 1.6  # periods; over the root of the area in periods: light touch leaves edges bare
+    beyond_std: float = 2.1  # periods a contrast; by the ridges beyond
     rim_std: float = 0.34  # periods; where a rim covers all ridges
     paleness_std: float = 2.5  # periods a contrast; by how much less than usual the last period has
-    followed_std: float = 0.6  # periods; by how much more of the outline than usual does
+    steepness_std: float = 3.0  # periods; by how much more than usual it thins
     unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
     # Standard deviation by which the edge varies within one image.
@@ -73,7 +74,10 @@ class RidgeLevel:
     reach: float = 1.1  # periods; they are the extremes within this
     smoothing: float = 1.0  # periods; smoothed over this
 
-    # Shift of the level from half by blur: near that of a square wave under a Gaussian of 0.1 periods.
+    # The level of dry ridges without pores is half.
+    filled: float = 0.01  # rises above half; pores, and sweat beside ridges, are too fine to see
+
+    # Shift of the level from there by blur: near that of a square wave under a Gaussian of 0.1 periods.
     by_blur: float = 0.45  # rises; by how far the share of ridges is from half, times its change with level
     cubic: float = 30.0  # by the cube of the same
     near_half: float = 0.1  # rises; the change is taken within this of half
@@ -89,17 +93,21 @@ class RidgeAreaError:
     """Standard uncertainty of the ridge area inside a given outline, as a share of it."""
 
     # The level's: its effect is that times the change of the area with the level.
-    level_std: float = 0.025  # rises; at least
-    level_by_grain: float = 0.5  # rises a rise of grain
+    level_std: float = 0.03  # rises
+    # Grain times the change of the area with the level, as a share of the contact: mottle in ridges so broad
+    # and blurred may be of ink or paper.
+    by_grain: float = 3.0
+    usual_grain: float = 0.06  # that pores and blur make
 
     # The area's own.
     least_std: float = 0.008  # where the level does not matter
     by_rim: float = 0.4  # where a rim covers all ridges
-    by_fade: float = 0.2  # a period by which a fading edge lies further out
+    by_fade: float = 0.1  # a period by which a fading edge lies further out
     sharp_fade: float = 0.08  # periods; fade of a sharp edge
     most_fade: float = 0.2  # periods; more than that tells no more
-    by_moisture: float = 1.2  # by the share of ridges above that of dry ones: sweat or ink may fill valleys
+    by_moisture: float = 2.5  # by the share of ridges above that of dry ones: sweat or ink may fill valleys
     dry_share: float = 0.54  # of the contact that dry ridges fill
+    wet_share: float = 0.58  # more than that tells no more
 
     at_rim: float = 0.5  # how much of a strip at the outline is ridge, relative to the interior
 

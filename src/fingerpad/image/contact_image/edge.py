@@ -28,8 +28,6 @@ _NO_EDGE: Final = (
 )
 _HALF_LEVEL: Final = 127.5
 _LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
-_FIRST_RIDGE: Final = (-0.3, -0.3)  # band in ridge periods, where a ridge lies that the outline follows
-_FIRST_VALLEY: Final = (-0.8, -0.8)  # band in ridge periods, where the valley behind it lies
 _ACROSS: Final = np.linspace(0.042, 0.958, 4)[:, None]  # of a band's width; samples, as far apart as six
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
@@ -47,7 +45,7 @@ class FadeSigns(NamedTuple):
     cover: float = 0.0  # how much less ridges stand out just outside than inside, as under a halo, 0 to 1
     rim: float = 0.0  # the same where it ends within a period, as a rim does and a halo does not
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
-    followed: float = 0.0  # by how much more of the outline than usual follows ridges, 0 to 1
+    steepness: float = 0.0  # by how much more than usual the last period thins, as a part
     bare: float = 0.0  # share of the outline along which there are no ridges, or much fainter ones
 
     @property
@@ -168,21 +166,22 @@ def fade_signs(
     cover = max(1 - float(without / means[1] / max(within / means[0], EDGE.least)), 0.0)
     floor, far = floor / contrast, far / contrast
     above = max(far**2 - floor**2, 0.0)
-    ridged = _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper, _FIRST_RIDGE, _FIRST_VALLEY)
-    last, before, ridge, valley = ridged.mean(axis=(1, 2)).tolist()
+    ridged = _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper)
+    last, before = ridged.mean(axis=(1, 2)).tolist()
+    thinning = 1 - last / max(before, _LITTLE)
     side = round(edge.period) | 1
     varies = _deviations(few, lambda values: cv2.blur(values, (side, side)))[deep]
     along = _deviations(rim.T, lambda values: running_mean(values.mean(axis=1), round(1.5 * edge.period)))
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     signs = FadeSigns(
-        thinning=float(1 - last / max(before, _LITTLE)),
+        thinning=thinning,
         outside=float(without / max(within, EDGE.least)),
         beyond=above / max(math.hypot(math.sqrt(above), floor / 2), 1e-9),
         paleness=max(EDGE.least_usual - float(means[0]), 0.0),
         cover=cover,
         rim=cover * max(1 - 3 * float(means[2] / means[1]), 0.0),
         unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
-        followed=max((ridge - valley) / 255 - EDGE.usually_followed, 0.0),
+        steepness=max(thinning - EDGE.usual_thinning, 0.0),
         bare=float(np.mean(along < EDGE.bare * quantile(varies, 0.75))),
     )
     return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
@@ -197,12 +196,11 @@ def _fade(signs: FadeSigns) -> float:
 def telling(signs: FadeSigns) -> dict[str, float]:
     """Return what of each sign tells how far the edge lies beyond its outline; `EDGE` says by how much.
 
-    Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast. An
-    outline that follows a ridge ends at it, where the contact may go on over the valley beyond. Blur shows
-    ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to it, within
-    a tenth of a mm. More of them tell no more, unless ridges are seen beyond too. Where pressure falls off
-    slowly, as that of a bell, ridges get too thin to be seen long before the contact ends, and the last
-    period is pale. A dark rim reaches beyond the contact.
+    Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast. Blur
+    shows ridges just outside that end at a sharp edge, or whose width falls as a root of the distance to it,
+    within a tenth of a mm. More of them tell no more, unless ridges are seen beyond too. Where pressure falls
+    off slowly, as that of a bell, ridges get too thin to be seen long before the contact ends, and the last
+    period thins more than usual, or is pale. A dark rim reaches beyond the contact.
     """
     beyond = max(signs.beyond - EDGE.hardly, 0.0)
     return {
@@ -211,7 +209,7 @@ def telling(signs: FadeSigns) -> dict[str, float]:
         "beyond": beyond,
         "paleness": signs.paleness,
         "rim": signs.rim,
-        "followed": signs.followed,
+        "steepness": signs.steepness,
     }
 
 
@@ -307,17 +305,18 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
 def _offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
-    It holds the definition of the edge of a contact that fades and, where no ridges are resolved, all of the
-    shift for them.
+    It holds the definition of the edge of a contact that fades, the low pressure of a light touch and, where
+    no ridges are resolved, all of the shift for them.
     """
     signs = edge.signs
     return edge.period * math.hypot(
         EDGE.shared_std,
+        EDGE.small_std * edge.period / math.sqrt(abs(signed_area(edge.points))),
         EDGE.beyond_std * signs.beyond,
         EDGE.rim_std * signs.cover**2,
         EDGE.unevenness_std * signs.unevenness,
         EDGE.paleness_std * signs.paleness,
-        EDGE.followed_std * signs.followed,
+        EDGE.steepness_std * signs.steepness,
         0.0 if edge.resolved else EDGE.ends / 2,
     )
 

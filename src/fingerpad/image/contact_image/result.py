@@ -98,7 +98,7 @@ class ContactImageResult(Recorded):
     >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
     >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
     >>> print(f"{contact.ellipse.semi_major:.2f} ± {contact.semi_major_std:.2f} mm")
-    2.96 ± 0.05 mm
+    2.96 ± 0.09 mm
     >>> contact.outline.shape[1], contact.flags
     (2, ())
     """
@@ -323,14 +323,15 @@ def _outline_uncertainty(
 
 def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: float) -> float:
     """Return the standard uncertainty of the area of resolved ridges inside a given outline."""
-    level_std = math.hypot(RIDGE_AREA.level_std, RIDGE_AREA.level_by_grain * ridges.grain)
+    share = known / gross_area
     fade = edge.fade / edge.period - RIDGE_AREA.sharp_fade
     return known * math.hypot(
         RIDGE_AREA.least_std,
-        ridges.softness * level_std,
+        RIDGE_AREA.level_std * ridges.softness,
+        RIDGE_AREA.by_grain * max(0.0, ridges.grain * ridges.softness * share - RIDGE_AREA.usual_grain),
         RIDGE_AREA.by_rim * edge.signs.cover**2,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
-        RIDGE_AREA.by_moisture * max(0.0, known / gross_area - RIDGE_AREA.dry_share),
+        RIDGE_AREA.by_moisture * max(0.0, min(share, RIDGE_AREA.wet_share) - RIDGE_AREA.dry_share),
     )
 
 

@@ -145,7 +145,7 @@ class RidgeMap:
     of_picture: FloatArray  # (2, 3); affine map to places (x, y) from pixels of the whole picture
     to_copy: FloatArray  # (2, 3); from places to pixels of the copy
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
-    grain: float  # how much ridges vary along themselves, beyond noise and what is usual, of the rise
+    grain: float  # how much ridges vary along themselves, beyond noise, of the rise
     has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
@@ -219,8 +219,9 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         valley, rise = _local_levels(means, view.contrast, period)
         amount = as_float32((means - valley) / rise)
         within = amount.take(places)
-        grain = _excess_grain((sign * few - means).take(places) / rise.take(places), within)
-        level += _blur_shift(within) - RIDGE_LEVEL.by_grain * grain
+        grain = _grain((sign * few - means).take(places) / rise.take(places), within)
+        level += RIDGE_LEVEL.filled + _blur_shift(within)
+        level -= RIDGE_LEVEL.by_grain * max(0.0, grain - RIDGE_LEVEL.usual_grain)
     above = as_float32(amount - np.float32(level))
     ridges = (above > 0) & inside
     return RidgeMap(
@@ -266,8 +267,8 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
     return letters >= PRINTED_MARKS.minimum
 
 
-def _excess_grain(off: Float32Array, amount: Float32Array) -> float:
-    """Return by how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+def _grain(off: Float32Array, amount: Float32Array) -> float:
+    """Return by how much ridges vary along themselves, beyond noise, in parts of the rise.
 
     `off` is what lies above the means along the ridges. Valleys show the noise.
     """
@@ -276,7 +277,7 @@ def _excess_grain(off: Float32Array, amount: Float32Array) -> float:
         chosen, count = as_float32(where), max(int(np.count_nonzero(where)), 1)
         variances.append(float(squares @ chosen) / count - (float(off @ chosen) / count) ** 2)
     ridges, valleys = variances
-    return max(0.0, math.sqrt(max(0.0, ridges - valleys)) - RIDGE_LEVEL.usual_grain)
+    return math.sqrt(max(0.0, ridges - valleys))
 
 
 def _change_with_level(amount: Float32Array, level: float) -> float:
