@@ -1,6 +1,15 @@
 """Words of lists and counts, and how sentences begin and end."""
 
+import re
 from collections.abc import Iterable
+from typing import Final
+
+_NBSP: Final = "\N{NO-BREAK SPACE}"
+_IN_A_QUANTITY: Final = (
+    (re.compile(r"(?<=\d) (?=(?:mm|µm|N|kPa|s|ppi|px)\b|%|±)"), _NBSP),
+    (re.compile(r"± (?=\d)"), f"±{_NBSP}"),
+    (re.compile(r"(?<![^= (])-(?=\d)"), "−"),
+)
 
 
 def joined(parts: Iterable[str], most: int | None = None) -> str:
@@ -26,3 +35,10 @@ def ended(words: str) -> str:
 def capitalized(words: str) -> str:
     """Return words with their first letter as a capital, and the others as they are."""
     return words[:1].upper() + words[1:]
+
+
+def unbroken(words: str) -> str:
+    """Return words with minus signs, and no line ending between a number, its ± and its unit."""
+    for found, shown in _IN_A_QUANTITY:
+        words = found.sub(shown, words)
+    return words

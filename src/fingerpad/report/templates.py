@@ -14,28 +14,24 @@ from fingerpad._rounding import (
     uncertainty_of_positive,
     value_with_uncertainty,
 )
-from fingerpad._words import ended
+from fingerpad._words import ended, unbroken
 from fingerpad.estimate import Estimate
 from fingerpad.flags import flags_in
 from fingerpad.report import text
 from fingerpad.report.plot import drawing
 
-_NBSP: Final = "\N{NO-BREAK SPACE}"
-# What stands in texts for what a page shows by lower and raised signs, and where no line may end.
+# What stands in texts for what a page shows by lower and raised signs.
 _TYPESET: Final = (
     (re.compile(r"\bR_(0g|g|e)\b"), r"R<sub>\1</sub>"),
     (re.compile(r"R₀g"), "R<sub>0g</sub>"),
     (re.compile(r"ℓ([abcde])\b"), r"ℓ<sub>\1</sub>"),
     (re.compile(r"\^\(([^)]*)\)"), r"<sup>\1</sup>"),
-    (re.compile(r"(?<=\d) (?=(?:mm|µm|N|kPa|s|ppi|px)\b|%|±)"), _NBSP),
-    (re.compile(r"± (?=\d)"), f"±{_NBSP}"),
-    (re.compile(r"(?<=[= (])-(?=\d)"), "−"),
 )
 
 
 def typeset(words: str) -> Markup:
     """Return text with subscripts and exponents, minus signs, and no line ending between number and unit."""
-    page = str(escape(words))
+    page = str(escape(unbroken(words)))
     for found, shown in _TYPESET:
         page = found.sub(shown, page)
     return Markup(page)  # noqa: S704 (escaped above)

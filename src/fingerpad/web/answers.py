@@ -17,6 +17,7 @@ from starlette.exceptions import HTTPException
 from fingerpad._arrays import FloatArray
 from fingerpad._json import dumps
 from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
+from fingerpad._words import unbroken
 from fingerpad.study.corrections.apply import NOTHING
 from fingerpad.study.corrections.log import ActiveCorrection
 
@@ -107,7 +108,7 @@ class Quantity(Answer):
         value, total = _finite(known(key)), _finite(known(f"{key}_total_std"))
         std = total if total is not None else _finite(known(f"{key}_std"))
         rounded = value_with_uncertainty if total is None else positive_with_uncertainty
-        words = rounded(value, std).replace(" ", "\u00a0")
+        words = unbroken(rounded(value, std)).replace(" ", "\u00a0")
         if value is not None:
             words = with_unit(words, unit_of(key) if unit is None else unit)
         return cls(value=value, std=std, words=words)

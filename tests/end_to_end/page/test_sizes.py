@@ -52,6 +52,7 @@ def require_tables_that_fit(page: Page) -> None:
 def test_tables_and_names_on_the_pad_fit(tab: Tab) -> None:
     page = tab.open()
     require_tables_that_fit(page)
+    assert page.locator("#sidebar").evaluate("one => one.scrollWidth <= one.clientWidth")
     tab.go("pad")
     page.get_by_text("u = 0°", exact=True).wait_for()
     expect(page.locator(".pad-caption")).to_contain_text("parametric angle u")

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from fingerpad._arrays import BoolArray
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad._words import capitalized
+from fingerpad._words import capitalized, unbroken
 from fingerpad.flags import FLAGS
 from fingerpad.published import audit
 from fingerpad.report.plots import group_name
@@ -281,7 +281,7 @@ def _group(
     return PlottedGroup.of(
         of,
         figure=group_name(of.key),
-        answer=f"{capitalized(found.text)}.".replace(" ± ", "\u00a0±\u00a0"),
+        answer=unbroken(f"{capitalized(found.text)}."),
         pooling=_pooling(rows, rejected, active),
         items=[row["observation"] for row in rows],
         load_N=[row["load_N"] for row in rows],

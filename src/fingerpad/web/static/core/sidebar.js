@@ -17,8 +17,7 @@ function stepStatus(step) {
   const doubtful = contacts.filter((one) => one.flags.length && !one.accepted && !one.rejected).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs);
   const { results, sequences } = study;
-  const typed = study.observations.length - contacts.length;
-  const counts = [contacts.length, typed && `${typed} typed`, sequences.length && `${sequences.length} seq.`]
+  const counts = [study.observations.length, sequences.length && `${sequences.length} seq.`]
     .filter(Boolean)
     .join(" + ");
   const { run } = workspace;
