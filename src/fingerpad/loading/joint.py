@@ -403,16 +403,17 @@ def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, F
     at = _applied(record, law, values)
     xi = at.indentation(record.displacement, record.attached)
     force = record.load - at.load_on(xi, record.attached) - at.force_zero(record.clock)
-    return force, record.area - _area(record, law, values, xi[record.with_area])
+    return force, record.area - _area(record, at, xi[record.with_area])
 
 
-def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArray:
+def _area(record: FitData, at: AppliedLaw, xi: FloatArray) -> FloatArray:
     """Return the areas at indentations ξ of the rows that have one."""
+    values = at.values
     delay = values.get("area_delay", 0.0)
     if delay != 0:
         before = np.interp(record.clock - delay, record.clock, record.smooth_displacement)
         xi = xi - (record.smooth_displacement - before)[record.with_area]
-    area = values.get("area_gain", 1.0) * _applied(record, law, values).area_at(xi)
+    area = values.get("area_gain", 1.0) * at.area_at(xi)
     if "area_growth" in values and xi.size:
         middle = max(0.5 * float(xi.max()), 1e-9)
         growth = float(np.clip(values["area_growth"], -0.95, 5.0))
@@ -439,7 +440,7 @@ def _area_slope(record: FitData, law: str, values: Values) -> float:
     if not record.area.size or (PAD_FORM[0] not in values and LAWS[law].area is None):
         return math.pi * values["loading_radius"]
     xi = record.smooth_displacement[record.with_area] - values["contact_offset"]
-    return float(np.ptp(_area(record, law, values, xi)) / np.ptp(xi))
+    return float(np.ptp(_area(record, _applied(record, law, values), xi)) / np.ptp(xi))
 
 
 def _first_noise(record: FitData, law: str, values: Values) -> Noise:
