@@ -142,18 +142,19 @@ class ContactImageResult(Recorded):
         dict
             For tables and scripts.
         """
+        major_std, minor_std, gross_std, ridge_std = np.sqrt(np.diagonal(self.covariance)).tolist()
         return {
             "semi_major_mm": float(self.ellipse.semi_major),
-            "semi_major_mm_std": self.semi_major_std,
+            "semi_major_mm_std": major_std,
             "semi_minor_mm": float(self.ellipse.semi_minor),
-            "semi_minor_mm_std": self.semi_minor_std,
+            "semi_minor_mm_std": minor_std,
             "orientation_deg": math.degrees(self.orientation),
             "gross_area_mm2": self.gross_area,
-            "gross_area_mm2_std": self.gross_area_std,
+            "gross_area_mm2_std": gross_std,
             "gross_area_mm2_noise_std": math.sqrt(self.noise_covariance[2, 2]),
             "gross_area_mm2_edge_std": float(self.edge_effect[2]),
             "ridge_area_mm2": self.ridge_area,
-            "ridge_area_mm2_std": self.ridge_area_std,
+            "ridge_area_mm2_std": ridge_std,
             "ridge_border_mm": self.ridge_border,
             "edge_offset_mm_std": self.edge_offset_std,
             "ridge_period_mm": self.ridge_period,
