@@ -177,7 +177,7 @@ def _zoomed(levels: Canvas, zoom: float) -> Canvas:
 
 
 def _tint_ridges(large: Canvas, contact_image: ContactImageResult, *, enlarged: bool) -> Canvas:
-    ridges = contact_image.ridges.view(np.uint8) * np.uint8(255 * _TINT)
+    ridges = contact_image.ridges.view(np.uint8) * np.uint8(round(255 * _TINT))
     way = cv2.INTER_LINEAR if enlarged else cv2.INTER_AREA
     # One block of memory for all planes: the system gives out large ones at a fraction of the time.
     *channels, share, rest = np.empty((5, *large.shape), dtype=np.uint8)
