@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from tests.studies import Table, curve, finger, picture, sequence, study_of, write_study
+from tests.studies import Table, contact, curve, finger, picture, sequence, study_of, write_study
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
@@ -266,6 +266,18 @@ def test_names_that_may_be_of_one_finger_are_named(tmp_path):
     (doubt,) = read_study(study).doubts()
     words = "left_index and leftindex: are these names of one finger? then write one of them everywhere"
     assert doubt == words
+
+
+def test_names_that_may_be_of_one_person_or_session_are_named(tmp_path):
+    people = ["P01", "p01", "P-01", "P1_1", "P11"]
+    fingers = [finger(f"f{k}", person=person) for k, person in enumerate(people)]
+    presses = [
+        contact(f"c{k}", finger="f0", session=of) for k, of in enumerate(("Day_2", "day2", "1.1", "11"))
+    ]
+    assert list(read_study(write_study(tmp_path, *fingers, *presses)).doubts()) == [
+        "P01, p01 and P-01: are these names of one person? then write one of them everywhere",
+        "Day_2 and day2: are these names of one session? then write one of them everywhere",
+    ]
 
 
 def test_loads_and_lengths_of_a_spreadsheet_may_be_in_other_units(tmp_path):

@@ -673,12 +673,19 @@ class Study(ManifestModel):
             axes = finger.semi_axes_mm
             if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
-        alike: dict[str, list[str]] = {}
-        for finger in self.fingers:
-            alike.setdefault(re.sub(r"[\W_]", "", finger.name).casefold(), []).append(finger.name)
-        for names in alike.values():
-            if len(names) > 1:
-                yield f"{joined(names, 3)}: are these names of one finger? then write one of them everywhere"
+        named = {
+            "finger": [finger.name for finger in self.fingers],
+            "person": [finger.person or "" for finger in self.fingers],
+            "session": [observation.session or "" for observation in self.observations],
+        }
+        for kind, all_names in named.items():
+            alike: dict[str, list[str]] = {}
+            for name in dict.fromkeys(all_names):
+                alike.setdefault(re.sub(r"(?<!\d)[\W_]+|[\W_]+(?!\d)", "", name).casefold(), []).append(name)
+            for names in alike.values():
+                if len(names) > 1:
+                    which = f"{joined(names, 3)}: are these names of one {kind}?"
+                    yield f"{which} then write one of them everywhere"
         entered: dict[tuple[float, float], list[str]] = {}
         for observation in self.observations:
             if (ellipse := observation.ellipse_mm) and ellipse.semi_major != round(ellipse.semi_major, 2):
