@@ -29,7 +29,9 @@ def pad(std: float = 0.1, **more: Any) -> FingerResult:
 
 def measured(name: str, axes: Any, load: float = 1.0, **more: Any) -> tuple[Observation, Measurement]:
     """Return a contact of that finger, and what was measured of it."""
-    placed = {key: more.pop(key) for key in ("session", "synthetic", "wedge_angle_deg") if key in more}
+    placed = {
+        key: more.pop(key) for key in ("finger", "session", "synthetic", "wedge_angle_deg") if key in more
+    }
     where = {"name": name, "finger": "f", "load_N": load, "file": "x.png", "scale": "s"}
     return Observation(**{**where, "wedge_angle_deg": 30, **placed}), _measurement(name, axes, load, more)
 

@@ -97,6 +97,20 @@ def test_sessions_of_one_press_each_are_the_repeats():
     assert levels["session"].missing.startswith("part of the repeats")
 
 
+def test_repeats_of_one_finger_are_so_whatever_loads_others_have():
+    study = study_of(*(finger(f"f{k}") for k in range(8)))
+    rng, pads = np.random.default_rng(2), {f"f{k}": pad(1e-9) for k in range(8)}
+    seen = [
+        contact(3 * k + n, finger=f"f{k}", load=load, radius=6 + 0.1 * rng.normal())
+        for k in range(8)
+        for n, load in enumerate((1 + 0.015 * (k - 4)) * np.array([0.97, 1, 1.03]))
+    ]
+    assert contact_repeatability(study, pads, seen)[False].freedom == 16
+    found = study_scatter(study, Rows(study, pads, seen).table)
+    levels = {one.level: one for one in found[0].levels}
+    assert levels["repeat"].degrees_of_freedom == 16
+
+
 @pytest.mark.parametrize(("count", "quantile"), [(2, 12.706), (3, 4.303)])
 def test_few_repeats_at_one_load_widen_its_mean(count, quantile):
     seen = repeats(count)

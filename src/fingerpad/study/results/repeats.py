@@ -33,7 +33,7 @@ from fingerpad.study.results.summary_file import (
     ValidityRecord,
 )
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
-from fingerpad.study.results.validity.checks import PRESS_STD
+from fingerpad.study.results.validity.checks import HERTZ_EXPONENT, PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
 from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter, pad_model
 from fingerpad.uncertainty.propagate import NORMAL_97_5
@@ -65,8 +65,9 @@ def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
     """Return a number for the placement and nominal load of each contact."""
     placement, loads = numbered(placed), as_float_array(loads)
     load = np.zeros(placement.size, dtype=np.intp)
-    for one in np.unique(placement):
-        load[placement == one] = nominal_loads(loads[placement == one])
+    order = np.argsort(placement, kind="stable")
+    for places in np.split(order, np.flatnonzero(np.diff(placement[order])) + 1):
+        load[places] = nominal_loads(loads[places])
     return numbered(zip(placement.tolist(), load.tolist(), strict=True))
 
 
@@ -134,10 +135,12 @@ class _Repeats:
         """Return how they scatter."""
         axes, noise = self._axes.array, self._noise.array
         usable = np.isfinite(axes).all(axis=-1) & np.isfinite(noise).all(axis=(-2, -1))
-        condition = conditions_of(self._placed, self._load.array).tolist()
-        group = numbered(zip(self._unit, condition, strict=True))
+        # For each finger alone: loads of many run on without a gap.
+        placed = ((finger, *at) for (finger, _), at in zip(self._unit, self._placed, strict=True))
+        condition = conditions_of(placed, self._load.array)
+        group = numbered(zip(self._unit, condition.tolist(), strict=True))
         if _no_repeats(group[usable]):  # sessions of one press each: these are its repeats
-            group = numbered((finger, of) for (finger, _), of in zip(self._unit, condition, strict=True))
+            group = condition
         return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
 
 
@@ -176,8 +179,10 @@ def _scatter(
         "finger": numbered(fingers),
         "session": numbered(zip(fingers, sessions, strict=True)),
     }
-    placed = zip(*(items(rows[name]) for name in PLACEMENT[1:]), strict=True)  # of any finger
-    condition = conditions_of(placed, rows["load_N"].to_numpy())
+    placed = list(zip(*(items(rows[name]) for name in PLACEMENT[1:]), strict=True))  # of any finger
+    # Each finger's nominal load first, by which loads of many fingers run on less.
+    own = conditions_of(zip(fingers, placed, strict=True), rows["load_N"].to_numpy())
+    condition = conditions_of(placed, rows["load_N"].groupby(own).transform("median").to_numpy())
     in_repeats = _no_repeats(numbered(zip(levels["session"].tolist(), condition.tolist(), strict=True)))
     if in_repeats:
         del levels["session"]
@@ -434,6 +439,12 @@ def _at_load(
     scale = 2 * area * np.sqrt(np.maximum(of_axis, 0)) / axis
     total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), np.hypot(noise, scale))
     repeats = area * repeatability.area_std
+    # The load is in error, and the area is that of another load. The scatter of repeats has what differs.
+    load = of.study.uncertainty.load_relative_std * (not repeatability.known)
+    of_load, of_gain = (
+        HERTZ_EXPONENT * std * area for std in (load, of.study.uncertainty.load_gain_relative_std)
+    )
+    noise, total = np.hypot(noise, of_load), np.sqrt(total**2 + of_load**2 + of_gain**2)
     # Of a finger without semi-axes no modulus is known.
     known = rows[:0] if np.isnan(rows[MODULUS].to_numpy()).any() else rows
     layered = rows[np.isin(rows.index, of.pooled)]
