@@ -1,5 +1,6 @@
 """Studies side by side: what is read is what was run, and means over people are what they say."""
 
+import html
 import json
 import math
 import re
@@ -109,7 +110,7 @@ def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom():
     assert mean.between_fingers_std == pytest.approx(expected, rel=1e-6)
 
 
-def test_what_a_wedge_adds_does_not_average_away_within_a_study():
+def test_what_a_jig_adds_does_not_average_away_within_a_study():
     def mean_std(studies: list[str]) -> float:
         values = [
             value(14.0, 0.2, person=f"P{n}", study=study, shared_std=0.199) for n, study in enumerate(studies)
@@ -211,20 +212,32 @@ def finished(**keys: Any) -> compare.FinishedStudy:
     return compare.FinishedStudy(folder=Path("out"), summary=summary)
 
 
-def test_what_both_angles_do_to_a_finger_is_shared():
-    shares = {"semi-axes": 0.3, "pad shape": 0.06, "wedge angle": 0.09, "roll angle": 0.15}
+def test_fingers_share_the_pose_of_the_jig_but_not_how_each_lies_on_its_wedge():
+    shares = {"semi-axes": 0.3, "pad shape": 0.06, "wedge angle": 0.09, "jig angle": 0.04, "roll angle": 0.15}
     study = finished(
         roll_angle_deg=5.0,
         mean_curvature_radius_mm=13.0,
         mean_curvature_radius_mm_std=0.2,
         radius_from_indentation_mm=14.0,
         radius_from_indentation_mm_std=0.3,
-        radius_from_indentation_variance_shares=shares | {"contact ellipse": 0.4},
+        radius_from_indentation_variance_shares=shares | {"contact ellipse": 0.36},
+        highest_area_mm2=100.0,
+        highest_load_N=2.0,
     )
     shared = {each.quantity: each.shared_std for each in compare.values_of(study)}
-    assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.24))
-    assert shared["mean_curvature_radius_mm"] == pytest.approx(0.2 * math.sqrt(0.24 / 0.6))
-    assert shared["palmar_mm"] == 0.0
+    assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.04))
+    assert shared["mean_curvature_radius_mm"] == pytest.approx(13 * 0.3 * math.sqrt(0.04) / 14)
+    assert shared["palmar_mm"] == shared["highest_area_mm2"] == 0.0
+
+
+def test_people_pressed_by_hand_at_about_one_load_have_one_mean_area():
+    areas = {1.93: 100.0, 1.98: 101.0, 2.06: 104.0, 0.98: 64.0, 1.02: 66.0}
+    values = [
+        value(area, 1.0, person=f"P{load}", quantity="highest_area_mm2", load=load)
+        for load, area in areas.items()
+    ]
+    found = {mean.load: len(mean.people) for mean in compare.means_of(values)}
+    assert found == {2.0: 3, 1.0: 2}
 
 
 def test_means_are_over_people_and_say_of_whom(runs):
@@ -373,7 +386,7 @@ def test_verdicts_name_the_checks_that_say_so(runs, tmp_path):
     compare.write_comparison(found, tmp_path)
     written = studies.rows_of(tmp_path / "compare_validity.csv")
     assert [row["verdict"] for row in written] == [one.verdict for one in found.verdicts]
-    page = write_comparison_page(found, tmp_path).read_text(encoding="utf-8")
+    page = html.unescape(write_comparison_page(found, tmp_path).read_text(encoding="utf-8"))
     for one in found.verdicts:
         assert f"{one.verdict}</span>" in page
         assert one.compared[0].split(",")[0].replace("R_g", "R<sub>g</sub>") in page

@@ -16,7 +16,9 @@ from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results import summary_file
 from fingerpad.study.results.result_set import require_result_set
+from fingerpad.study.results.validity.checks import HERTZ_EXPONENT
 from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
+from fingerpad.uncertainty.repeats import nominal_loads
 
 
 class FinishedStudy(NamedTuple):
@@ -100,6 +102,8 @@ _MEANS_AT_LOAD: Final = {
     "youngs_modulus_kpa": "youngs_modulus_kpa",
     _ON_LAYER: "youngs_modulus_on_layer_kpa",
 }
+# By what power of the load they go: moduli from load and area, and areas.
+_BY_LOAD: Final = {_AREA: HERTZ_EXPONENT, "youngs_modulus_kpa": 1.0, _ON_LAYER: 1.0}
 
 
 class Person(NamedTuple):
@@ -139,8 +143,8 @@ class Value(OfFinger):
     quantity: str
     value: float
     std: float  # with the model's part; NaN where not known
-    shared_std: float = 0.0  # what the wedge's angle, which fingers of a study share, does to it
-    gain_std: float = 0.0  # what the gain of the force does to it, which a study's moduli from contacts share
+    shared_std: float = 0.0  # what the pose of the jig, which fingers of a study share, does to it
+    gain_std: float = 0.0  # what the gain of the force, which contacts of a study share, does to it
     model_std: float = 0.0  # of the model's discrepancy, which all values from that model share; zero without
     source: str = ""  # loading curve that it comes from, if one
     velocity_mm_per_s: float = math.nan  # how fast that was; NaN where not known
@@ -148,10 +152,9 @@ class Value(OfFinger):
     load: float = math.nan  # N, at which it holds; NaN where it goes with no load
 
     @property
-    def mean_key(self) -> tuple[str, float | None, float | None, bool, float | None]:
-        """What values of one mean share: quantity, placement, whether synthetic, and areas their load."""
-        load = float(f"{self.load:.2g}") if self.quantity == _AREA else None
-        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic, load
+    def mean_key(self) -> tuple[str, float | None, float | None, bool]:
+        """What values of one mean share: quantity, placement, and whether synthetic."""
+        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 
     def as_record(self) -> dict[str, Any]:
         """Return one row of a table."""
@@ -248,15 +251,11 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
     for at in sorted(study.summary.by_load, key=lambda one: one.load_N):
         at_loads.setdefault(at.key, []).append(at)
     for summary in study.summary.summaries:
-        shares = summary.radius_from_indentation_variance_shares or {}
-        angles = sum(shares.get(f"{name} angle", 0.0) for name in ("wedge", "jig", "roll"))
-        pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
-        # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
-        # the corrected radius through R_0g alone.
-        shared = {
-            "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
-            "radius_from_indentation_mm": angles,
-        }
+        # Of what is uncertain in a radius the pose of the jig has the same relative part in 1/H, in the
+        # corrected radius, which it reaches through 1/H alone, and, nearly, in R_e and so in the moduli.
+        jig_share = (summary.radius_from_indentation_variance_shares or {}).get("jig angle", 0.0)
+        radius = summary.radius_from_indentation_mm
+        jig = math.sqrt(jig_share) * summary.radius_from_indentation_mm_std / radius if jig_share else 0.0
         headlines = summary.validity.headlines
         found = {
             name: _Found(
@@ -264,12 +263,12 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 getattr(summary, f"{name}_std"),
                 headlines[name].model_std if name in headlines else math.nan,
             )
-            for name in (*shared, "area_exponent")
+            for name in ("mean_curvature_radius_mm", "radius_from_indentation_mm", "area_exponent")
         }
         if summary.key in at_loads:
             found |= _of_contacts(at_loads[summary.key])
         else:
-            found |= _of_one_frame(summary)
+            found |= _of_one_frame(summary, gain)
         verdicts = {name: one.verdict for name, one in headlines.items()}
         verdicts[_ON_LAYER] = summary.validity.on_layer.verdict if summary.validity.on_layer else ""
         for quantity, (value, std, of_model, load) in found.items():
@@ -279,9 +278,8 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 **study.owner(summary),
                 value=value,
                 std=math.hypot(std, model_std),
-                shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
-                # A modulus from load and area goes with the load, on deep tissue and on a layer.
-                gain_std=gain * value if quantity in {"youngs_modulus_kpa", _ON_LAYER} else 0.0,
+                shared_std=0.0 if quantity in {_AREA, "area_exponent"} else jig * value,
+                gain_std=gain * value * _BY_LOAD.get(quantity, 0.0),
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
                 load=load,
@@ -313,10 +311,11 @@ def _of_contacts(at_loads: Sequence[summary_file.AtLoadRecord]) -> dict[str, _Fo
     return found
 
 
-def _of_one_frame(summary: summary_file.PlacementRecord) -> dict[str, _Found]:
+def _of_one_frame(summary: summary_file.PlacementRecord, gain: float) -> dict[str, _Found]:
     """Return area and moduli of a sequence's frame at the highest load."""
-    load, layer = summary.highest_load_N, summary.on_layer
-    found = {_AREA: _Found(summary.highest_area_mm2, summary.highest_area_mm2_std, load=load)}
+    load, layer, area = summary.highest_load_N, summary.on_layer, summary.highest_area_mm2
+    area_std = math.hypot(summary.highest_area_mm2_std, HERTZ_EXPONENT * gain * area)
+    found = {_AREA: _Found(area, area_std, load=load)}
     if modulus := summary.validity.headlines.get("youngs_modulus_kpa"):
         found["youngs_modulus_kpa"] = _Found(modulus.value, modulus.value_std, modulus.model_std, load)
     if layer:
@@ -376,7 +375,7 @@ class Mean(Displayed):
 
 
 class _Level(NamedTuple):
-    """A value with its own standard uncertainty, and what each study's wedge and force, and the model add."""
+    """A value with its own standard uncertainty, and what each study's jig and force, and the model add."""
 
     value: float
     own_std: float
@@ -398,16 +397,29 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
     for value in values:
         if value.std > 0:
             groups.setdefault(value.mean_key, []).append(value)
-    return [_mean(members) for members in groups.values()]
+    return [_mean(members) for alike in groups.values() for members in _by_nominal_load(alike)]
+
+
+def _two_digits(load: float) -> float:
+    return float(f"{load:.2g}")
+
+
+def _by_nominal_load(values: list[Value]) -> list[list[Value]]:
+    """Return areas by nominal load, and values of another quantity together."""
+    if values[0].quantity != _AREA:
+        return [values]
+    # Of loads that run on without a gap those that are equal to two digits are one.
+    nominal = nominal_loads([_two_digits(value.load) for value in values])
+    return [[values[k] for k in np.flatnonzero(nominal == one)] for one in np.unique(nominal)]
 
 
 def _mean(values: Sequence[Value]) -> Mean:
-    quantity, wedge, roll, synthetic, load = values[0].mean_key
+    quantity, wedge, roll, synthetic = values[0].mean_key
     positive = QUANTITIES[quantity].positive
     people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:
         shared: dict[Hashable, float] = {
-            (value.study, value.wedge_angle_deg): value.shared_std,
+            (value.study, "jig"): value.shared_std,
             (value.study, "force"): value.gain_std,
             "model": value.model_std,
         }
@@ -428,7 +440,7 @@ def _mean(values: Sequence[Value]) -> Mean:
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
-        load=load,
+        load=_two_digits(float(np.mean([value.load for value in values]))) if quantity == _AREA else None,
         people=tuple(
             PersonMean(person=person, fingers=count, value=level.value, std=level.std)
             for person, (level, count) in zip(people, persons, strict=True)
