@@ -94,9 +94,8 @@ class RidgeAreaError:
 
     # The level's: its effect is that times the change of the area with the level.
     level_std: float = 0.03  # rises
-    # Grain times the change of the area with the level, as a share of the contact: mottle in ridges so broad
-    # and blurred may be of ink or paper.
-    by_grain: float = 3.0
+    # Mottle in broad, blurred ridges may be of ink or paper.
+    by_grain: float = 3.0  # by grain times the change of the ridges' share of the contact with their level
     usual_grain: float = 0.06  # that pores and blur make
 
     # The area's own.
