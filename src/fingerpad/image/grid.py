@@ -159,11 +159,21 @@ class Grid(Displayed):
         return Scale(self._mm_per_px, self._mm_per_px * relative)
 
     def rectified(self, pixels: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Scale]:
-        """Return a picture of the plane in which the grid lay as if seen straight on, and its scale.
+        """Return a picture of the same camera as if seen straight on, and its scale.
 
-        A finger seen at a slant stays so. Pixels are square, and as large as those of the picture in the
-        middle of the grid; what lies beyond the picture is black, and what far parts would show beyond four
-        times its size is cut off.
+        Parameters
+        ----------
+        pixels : ndarray, shape (rows, columns) or (rows, columns, channels)
+            A picture of the plane in which the grid lay, such as a contact image: a finger seen at a slant
+            stays so. What its far parts would show beyond four times the picture's size is cut off.
+
+        Returns
+        -------
+        pixels : ndarray
+            With square pixels that are as large as those of the picture in the middle of the grid; black
+            beyond the picture.
+        scale : Scale
+            That of `rectified_scale`.
         """
         pixels = checked_picture(pixels, "pixels", CalibrationError, colour=True)
         rows, columns = pixels.shape[:2]

@@ -85,6 +85,11 @@ class Scale(Displayed):
         -------
         Scale
             Millimetres per pixel.
+
+        Raises
+        ------
+        CalibrationError
+            If `ppi` is not positive and finite, or `ppi_std` negative or not finite.
         """
         positive_number(ppi, "ppi", CalibrationError)
         non_negative_number(ppi_std, "ppi_std", CalibrationError)

@@ -117,6 +117,11 @@ def photograph_from_handles(
     PhotographFit
         Without points, with the flag ``fitted_manually``.
 
+    Raises
+    ------
+    ImageError
+        As `photograph_from_ellipse`.
+
     Examples
     --------
     >>> from fingerpad.image import Scale

@@ -106,7 +106,13 @@ class PhotographFit(Displayed):
         return record_text(f"Photograph of the {self.face} face", {**numbers, "flags": self.flags})
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units, for tables and scripts."""
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            For tables and scripts.
+        """
         return {
             "semi_axes_mm": self.semi_axes_mm,
             "semi_axes_mm_std": self.semi_axes_mm_std,
@@ -176,10 +182,24 @@ class PhotographFit(Displayed):
     def outline_radius(self, angle: float) -> tuple[float, float]:
         """Return the radius of curvature of the outline itself, mm, and its standard uncertainty.
 
-        NaN where the outline does not show the place: that whose outward normal lies at an angle, radians,
-        from the first semi-axis towards the second. Of a side face, with the angle of the wedge, it is the
-        radius of the pad in the plane along the finger at the place of contact. It is fitted to the outline
-        within 0.35 radii of that place; `ellipse_radius` is that of the ellipse.
+        Of a side face, with the angle of the wedge, it is the radius of the pad in the plane along the
+        finger at the place of contact. It is fitted to the outline within 0.35 radii of that place;
+        `ellipse_radius` is that of the ellipse.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the outward normal from the first semi-axis towards the second, radians.
+
+        Returns
+        -------
+        (float, float)
+            NaN where the outline does not show the place.
+
+        Raises
+        ------
+        GeometryError
+            If the angle is beyond a full turn, as one in degrees is.
 
         Examples
         --------

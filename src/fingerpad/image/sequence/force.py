@@ -68,6 +68,12 @@ class ForceSignal(Displayed):
     LoadingError
         If there are fewer than two samples, the lengths differ, a value is not finite, or time does not
         increase from each sample to the next.
+
+    Examples
+    --------
+    >>> signal = ForceSignal([0.0, 0.1, 0.2], [0.0, 1.0, 2.0])
+    >>> signal.load_at([0.05, 0.25])
+    array([0.5, nan])
     """
 
     time: FloatArray
@@ -109,11 +115,33 @@ class ForceSignal(Displayed):
         return float(self.time[0]), float(self.time[-1])
 
     def load_at(self, time: ArrayLike) -> FloatArray:
-        """Return the load, N, at some times, s, by linear interpolation; NaN outside the signal."""
+        """Return the load at some times by linear interpolation.
+
+        Parameters
+        ----------
+        time : array_like
+            s.
+
+        Returns
+        -------
+        ndarray
+            N, NaN outside the signal.
+        """
         return self._at(time, self.load)
 
     def displacement_at(self, time: ArrayLike) -> FloatArray:
-        """Return the displacement, mm, in the same way; NaN where none was recorded."""
+        """Return the displacement at some times by linear interpolation.
+
+        Parameters
+        ----------
+        time : array_like
+            s.
+
+        Returns
+        -------
+        ndarray
+            mm, NaN outside the signal and where none was recorded.
+        """
         return self._at(time, self.displacement)
 
     def _at(self, time: ArrayLike, values: FloatArray | None) -> FloatArray:
@@ -141,6 +169,11 @@ class FrameRate:
     LoadingError
         If the rate is not positive and finite, the time not finite, or the frame not a whole number, or none
         of those with `numbers`.
+
+    Examples
+    --------
+    >>> FrameRate(1000, anchor_time=0.5).time_of(250, first_contact=None)
+    0.75
     """
 
     frames_per_second: float
@@ -167,9 +200,19 @@ class FrameRate:
         )
 
     def time_of(self, index: int, first_contact: int | None) -> float:
-        """Return the time of a frame, s, NaN while its anchor is unknown, and past the last of `numbers`.
+        """Return the time of a frame.
 
-        `first_contact` is the number of the first-contact frame, where it is known.
+        Parameters
+        ----------
+        index : int
+            Number of the frame.
+        first_contact : int or None
+            Number of the first-contact frame, where it is known.
+
+        Returns
+        -------
+        float
+            s, NaN while the anchor is unknown, and past the last of `numbers`.
         """
         anchor = first_contact if self.anchor_frame is None else self.anchor_frame
         if anchor is None or (self.numbers is not None and index >= len(self.numbers)):

@@ -105,7 +105,20 @@ class Frames(Displayed):
         return self.between(0, self.count)
 
     def between(self, start: int, stop: int) -> Generator[Frame, None, None]:
-        """Iterate over the frames from `start` to before `stop`; a video must be decoded up to there."""
+        """Iterate over frames.
+
+        A folder or a TIFF is entered at `start`; a video must be decoded up to there.
+
+        Parameters
+        ----------
+        start, stop : int
+            First frame, and the frame after the last.
+
+        Yields
+        ------
+        Frame
+            In order.
+        """
         shape = None
         if start:
             with closing(self._decode(0, self.count)) as frames:
@@ -121,7 +134,23 @@ class Frames(Displayed):
                 yield frame
 
     def at(self, index: int) -> Frame:
-        """Decode one frame by its number, from zero; `ImageError` if there is none."""
+        """Decode one frame.
+
+        Parameters
+        ----------
+        index : int
+            Its number, from zero.
+
+        Returns
+        -------
+        Frame
+            The frame.
+
+        Raises
+        ------
+        ImageError
+            If there is no such frame.
+        """
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
         with closing(self._decode(index, index + 1)) as frames:

@@ -42,6 +42,12 @@ class FrameResult(Displayed):
     flags : tuple of str
         Doubts: those of the contact image, ``no_force`` outside the force signal, ``no_time`` without a time,
         ``repeated_frame`` where the picture is the same as before, and the force is not.
+
+    Examples
+    --------
+    >>> record = FrameResult(index=3, time=0.3, load=0.5, measures={"gross_area_mm2": 42.0}).as_record()
+    >>> record["gross_area_mm2"]
+    42.0
     """
 
     index: int
@@ -55,7 +61,13 @@ class FrameResult(Displayed):
     flags: tuple[str, ...] = ()
 
     def as_record(self) -> dict[str, Any]:
-        """Return the frame as a row of a table, by names with units; without measures with its ``error``."""
+        """Return the frame as a row of a table.
+
+        Returns
+        -------
+        dict
+            By names with units; ``error`` where nothing was measured.
+        """
         place = {"frame": self.index, "time_s": self.time, "load_N": self.load, "phase": self.phase}
         if self.measures is None:
             return place | {"error": self.reason, "flags": self.flags}
