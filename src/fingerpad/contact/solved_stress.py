@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Self, TypeAlias, TypeVar
+from typing import Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,6 @@ from fingerpad.contact.stress import HertzPressure, StressField
 from fingerpad.exceptions import GeometryError
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
-Number = TypeVar("Number", np.float64, np.complex128)
 
 _MARGIN = 6  # thicknesses on each side of the contact
 _LARGEST = 1700  # cells along a side of the padded grid
@@ -140,7 +139,10 @@ class _Waves:
     sides: FloatArray  # its lengths, (2,)
     first: FloatArray  # centre of its first cell, (2,)
     spectrum: ComplexArray  # what `rfft2` gives
-    constants: FloatArray  # of Airy's function, for each wave, (..., 4)
+    # Which waves feel the base of a layer, by row, from the last where negative, and column of the spectrum;
+    # and the constants of Airy's function for these, (..., 4): all others are those of a half-space.
+    long: NDArray[np.intp]
+    constants: FloatArray
 
     @classmethod
     def of(cls, pressure: FloatArray, grid: ContactGrid, margin: FloatArray, tissue: Tissue) -> Self:
@@ -161,17 +163,18 @@ class _Waves:
         padded = np.zeros(shape)
         padded[cells[0] : cells[0] + points, cells[1] : cells[1] + points] = pressure
         spectrum, sides = fft.rfft2(padded), np.array(shape) * spacing
-        constants = np.zeros((*spectrum.shape, 4))
-        constants[..., :2] = 1  # of a half-space
+        long, constants = np.empty((0, 2), dtype=np.intp), np.empty((0, 4))
         if math.isfinite(tissue.thickness):
             x = np.hypot(*_wave_vectors(shape, sides)) * tissue.thickness
-            feels_base = x < _DECAYED
-            constants[feels_base] = _constants(x[feels_base], float(tissue.poisson_ratio))
+            long = np.argwhere(x < _DECAYED)
+            constants = _constants(x[tuple(long.T)], float(tissue.poisson_ratio))
+            long[long[:, 0] > (shape[0] - 1) // 2, 0] -= shape[0]
         return cls(
             shape=shape,
             sides=sides,
             first=grid.centre - grid.half_widths + (0.5 - cells) * spacing,
             spectrum=spectrum,
+            long=long,
             constants=constants,
         )
 
@@ -212,11 +215,13 @@ class _Waves:
         if fewer == self.shape:
             return self
         size = math.prod(fewer) / math.prod(self.shape)
+        kept = np.all(np.abs(self.long) <= (np.array(fewer) - 1) // 2, axis=-1)
         return replace(
             self,
             shape=fewer,
             spectrum=_fewer_waves(self.spectrum, fewer) * size,
-            constants=_fewer_waves(self.constants, fewer),
+            long=self.long[kept],
+            constants=self.constants[kept],
         )
 
 
@@ -227,12 +232,12 @@ def _wave_vectors(shape: tuple[int, int], sides: FloatArray) -> tuple[FloatArray
     return first[:, None], second[None, :]
 
 
-def _fewer_waves(values: NDArray[Number], shape: tuple[int, int]) -> NDArray[Number]:
+def _fewer_waves(spectrum: ComplexArray, shape: tuple[int, int]) -> ComplexArray:
     """Return the longest waves, as `rfft2` orders them on a coarser grid."""
     rows, columns = (shape[0] - 1) // 2, (shape[1] - 1) // 2 + 1
-    fewer = np.zeros((shape[0], shape[1] // 2 + 1, *values.shape[2:]), dtype=values.dtype)
-    fewer[: rows + 1, :columns] = values[: rows + 1, :columns]
-    fewer[-rows:, :columns] = values[-rows:, :columns]
+    fewer = np.zeros((shape[0], shape[1] // 2 + 1), dtype=spectrum.dtype)
+    fewer[: rows + 1, :columns] = spectrum[: rows + 1, :columns]
+    fewer[-rows:, :columns] = spectrum[-rows:, :columns]
     return fewer
 
 
@@ -280,13 +285,18 @@ def _transfer(waves: _Waves, depth: float, tissue: Tissue) -> Iterator[ComplexAr
     """Yield the waves of the six components of the stress at a depth."""
     x, y = _wave_vectors(waves.shape, waves.sides)
     wave = np.hypot(x, y)
-    layer = math.isfinite(tissue.thickness)
-    zeta, eta = wave * depth, wave * (depth - tissue.thickness if layer else 0.0)
-    down, up = np.exp(-zeta), np.exp(eta)
-    a, b, c, d = np.moveaxis(waves.constants, -1, 0)
-    value = (a + b * zeta) * down + (c + d * eta) * up
-    slope = (b - a - b * zeta) * down + (c + d + d * eta) * up
-    bend = (a - 2 * b + b * zeta) * down + (c + 2 * d + d * eta) * up
+    zeta = wave * depth
+    down = np.exp(-zeta)
+    value, slope, bend = (1 + zeta) * down, -zeta * down, (zeta - 1) * down
+    if waves.long.size:
+        here = tuple(waves.long.T)
+        zeta, down, eta = zeta[here], down[here], wave[here] * (depth - tissue.thickness)
+        up = np.exp(eta)
+        a, b, c, d = waves.constants.T
+        value[here] = (a + b * zeta) * down + (c + d * eta) * up
+        slope[here] = (b - a - b * zeta) * down + (c + d + d * eta) * up
+        bend[here] = (a - 2 * b + b * zeta) * down + (c + 2 * d + d * eta) * up
+    del zeta, down  # as large as each of the others
     value[0, 0], slope[0, 0] = 1, 0  # a uniform pressure: no strain sideways
     bend[0, 0] = -tissue.poisson_ratio / (1 - tissue.poisson_ratio)
     normal = tissue.poisson_ratio * (bend - value)  # across the wave
