@@ -83,6 +83,23 @@ def test_the_scatter_of_presses_is_in_checks_over_loads(tmp_path):
     assert falls("rendered", (1, 0.85), synthetic=True).verdict == FAILS  # a rendered contact has no press
 
 
+def test_two_presses_alike_by_chance_do_not_make_a_failure_of_the_scatter_of_others(tmp_path):
+    def growth(folder: str, power: float) -> ValidityCheck:
+        loads = (0.5, 1.0, 2.0, 2.0)
+        sizes = [
+            pressed(f"c{k}", load, 6 * load ** (power / 2) * (1 + 1e-4 * k), std=0.05)
+            for k, load in enumerate(loads)
+        ]
+        _, (validity,) = run(tmp_path / folder, finger(), *sizes)
+        return named(validity, "area_against_load")
+
+    chance = growth("chance", 0.53)
+    assert abs(chance.relative_difference) > 0.2
+    assert chance.deviations < -2
+    assert chance.verdict in {HOLDS, NOT_TESTED}
+    assert growth("stiffer", 0.2).verdict == STRAINED
+
+
 def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path):
     for case, verdicts in (("7 mm over bone, with curve", {FAILS}), ("Hertz theory, with curve", {HOLDS})):
         validity, true = simulated(CASES[case], 0, tmp_path)

@@ -50,8 +50,9 @@ HERTZ_EXPONENT: Final = 2 / 3
 # Loads are the same where their ratio is above this.
 SAME_LOAD: Final = 0.9
 # How areas of presses of one finger under one load differ, relative, where a study has no repeats: three real
-# prints of one finger did so by 4.6 %. A rendered contact has no press.
+# prints of one finger did so by 4.6 %, and count beside few repeats. A rendered contact has no press.
 PRESS_STD: Final = 0.046
+_PRESS_FREEDOM: Final = 2
 GROWTH: Final = "area_against_load"
 NO_AREAS: Final = "the loading curves have no areas, so no radius"
 NOTHING_COUNTS: Final = "no contact counts"
@@ -84,9 +85,15 @@ class FingerAtAngle:
         self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
         repeats = rows.repeatability.get(summary.synthetic)
         self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
-        self.press_freedom = math.inf  # degrees of freedom of how presses scatter
+        self.press_freedom = self.repeat_freedom = (
+            math.inf
+        )  # degrees of freedom of that, and of repeats alone
         if repeats is not None and repeats.known:
-            self.press_std, self.press_freedom = repeats.area_std, float(repeats.freedom)
+            # Few repeats may scatter less than noise by chance: what is usual counts beside them.
+            usual = 0 if summary.synthetic else _PRESS_FREEDOM
+            self.repeat_freedom, self.press_freedom = float(repeats.freedom), float(repeats.freedom + usual)
+            squares = repeats.freedom * repeats.area_std**2 + usual * PRESS_STD**2
+            self.press_std = math.sqrt(squares / self.press_freedom)
         # Results that are compared with loading curves at one load; the radius where there is no R_g.
         with_radius = self.fits and self.loading is None
         self.of_curves: tuple[str, ...] = HEADLINES if with_radius else (MODULUS, INDENTATION)
@@ -134,7 +141,8 @@ def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         own=own,
         edges=edges_of(rows),
         item=items_of(rows),
-        freedom=_freedom(case.press_freedom, float(np.sum(press_std**2)), float(np.sum(own**2))),
+        # What few repeats scatter beyond noise may be too little by chance, or nothing.
+        freedom=case.press_freedom if rows["sequence"].isna().any() else math.inf,
     )
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
         why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
@@ -281,14 +289,13 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
     if row["orientation_deg"] is not None:
         direction = math.cos(2 * math.radians(row["orientation_deg"]))
     std, predicted_std = float(found["measured"].std), float(found["predicted"].std)
-    of_repeats = float(found.budget("measured").get("repeatability", 0.0)) * std**2
     return Shape(
         measured=float(found["measured"].value) * (1.0 if direction is None else direction),
         std=std,
         predicted=float(found["predicted"].value),
         predicted_std=predicted_std,
         known=direction is not None,
-        freedom=_freedom(case.press_freedom, of_repeats, std**2 + predicted_std**2),
+        freedom=_freedom(case.repeat_freedom, std**2, std**2 + predicted_std**2),
     )
 
 
