@@ -121,6 +121,17 @@ def test_what_a_jig_adds_does_not_average_away_within_a_study():
     assert mean_std(["A", "B"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
 
 
+def test_an_edge_is_shared_by_contacts_of_one_scale():
+    def mean_std(scales: list[str]) -> float:
+        values = [
+            value(14.0, 0.2, person=f"P{n}", scale=scale, edge_std=0.199) for n, scale in enumerate(scales)
+        ]
+        return compare.means_of(values)[0].std
+
+    assert mean_std(["camera"] * 16) == pytest.approx(0.2, rel=0.01)
+    assert mean_std(["camera", "reader"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
+
+
 def test_real_and_synthetic_angles_and_rolls_never_mix():
     values = [
         value(10.0 + n, 0.1, synthetic=synthetic, wedge_angle_deg=wedge, roll_angle_deg=roll)

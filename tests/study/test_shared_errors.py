@@ -94,3 +94,24 @@ def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path):
     assert np.mean([mean.std for mean in means]) == pytest.approx(error.std(), rel=0.1)
     held = np.mean([low <= truth <= high for low, high in (mean.interval for mean in means)])
     assert 0.92 <= held <= 0.98
+
+
+def test_fingers_do_not_average_the_scale_of_their_contacts_out(tmp_path):
+    people = 16
+    fingers = (finger(f"f{number}", std=1e-6, person=f"p{number}") for number in range(people))
+    contacts = (
+        contact(f"c{number}", finger=f"f{number}", std=0.05, axis="", scale="camera")
+        for number in range(people)
+    )
+    run(
+        tmp_path,
+        *fingers,
+        *contacts,
+        uncertainty=EXACT,
+        scales={"camera": {"ppi": 500, "relative_std": 0.02}},
+    )
+    found = {mean.quantity: mean.std / mean.value for mean in compare_studies([tmp_path / "out"]).means}
+    noise = np.hypot(0.05 / 7.4, 0.05 / 5.0) / np.sqrt(people)
+    # The area goes with the square of the scale, E with its third power and the area to −3/2.
+    assert found["highest_area_mm2"] == pytest.approx(np.hypot(0.04, noise), rel=0.02)
+    assert found["youngs_modulus_kpa"] == pytest.approx(np.hypot(0.06, 1.5 * noise), rel=0.03)

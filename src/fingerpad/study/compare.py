@@ -145,6 +145,9 @@ class Value(OfFinger):
     std: float  # with the model's part; NaN where not known
     shared_std: float = 0.0  # what the pose of the jig, which fingers of a study share, does to it
     gain_std: float = 0.0  # what the gain of the force, which contacts of a study share, does to it
+    scale_std: float = 0.0  # what `scale` does to it, which contacts of a study that name it share
+    edge_std: float = 0.0  # what the place of their edge does to it, which they share too
+    scale: str | None = None
     model_std: float = 0.0  # of the model's discrepancy, which all values from that model share; zero without
     source: str = ""  # loading curve that it comes from, if one
     velocity_mm_per_s: float = math.nan  # how fast that was; NaN where not known
@@ -271,7 +274,8 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
             found |= _of_one_frame(summary, gain)
         verdicts = {name: one.verdict for name, one in headlines.items()}
         verdicts[_ON_LAYER] = summary.validity.on_layer.verdict if summary.validity.on_layer else ""
-        for quantity, (value, std, of_model, load) in found.items():
+        finger = study.summary.finger(summary.finger)
+        for quantity, (value, std, of_model, load, mean_of) in found.items():
             model_std = 0.0 if math.isnan(of_model) else of_model
             yield Value(
                 quantity=quantity,
@@ -280,6 +284,7 @@ def _of_placements(study: FinishedStudy) -> Iterator[Value]:
                 std=math.hypot(std, model_std),
                 shared_std=0.0 if quantity in {_AREA, "area_exponent"} else jig * value,
                 gain_std=gain * value * _BY_LOAD.get(quantity, 0.0),
+                **_of_device(mean_of, quantity, gain, finger.scale if finger else None),
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
                 load=load,
@@ -293,6 +298,26 @@ class _Found(NamedTuple):
     std: float
     model_std: float = math.nan
     load: float = math.nan
+    at: summary_file.AtLoadRecord | None = None  # what it is a mean of
+
+
+def _of_device(
+    at: summary_file.AtLoadRecord | None, quantity: str, gain: float, pad_scale: str | None
+) -> dict[str, Any]:
+    """Return what one scale and its edge, if contacts name one, do to a mean over them."""
+    if at is None or not at.scale:
+        return {}
+    # Beside noise, repeats and the edge, areas are in error by scale and gain.
+    other = at.contact_area_mm2_other_std / at.contact_area_mm2
+    scale = math.sqrt(max(0.0, other**2 - (HERTZ_EXPONENT * gain) ** 2))
+    name = _MEANS_AT_LOAD[quantity]
+    # E goes with R A^(−3/2), and the pad's R with the scale where its photographs name it, too.
+    power = 1.0 if quantity == _AREA or pad_scale == at.scale else 1.5
+    return {
+        "scale": at.scale,
+        "scale_std": power * scale * getattr(at, name),
+        "edge_std": getattr(at, f"{name}_edge_std"),
+    }
 
 
 def _of_contacts(at_loads: Sequence[summary_file.AtLoadRecord]) -> dict[str, _Found]:
@@ -307,7 +332,7 @@ def _of_contacts(at_loads: Sequence[summary_file.AtLoadRecord]) -> dict[str, _Fo
             at = known[-1]
             total_std, model_std = getattr(at, f"{name}_std"), getattr(at, f"{name}_model_std", math.nan)
             std = math.sqrt(max(0.0, total_std**2 - np.nan_to_num(model_std) ** 2))
-            found[quantity] = _Found(getattr(at, name), std, model_std, at.load_N)
+            found[quantity] = _Found(getattr(at, name), std, model_std, at.load_N, at)
     return found
 
 
@@ -421,6 +446,8 @@ def _mean(values: Sequence[Value]) -> Mean:
         shared: dict[Hashable, float] = {
             (value.study, "jig"): value.shared_std,
             (value.study, "force"): value.gain_std,
+            (value.study, "scale", value.scale): value.scale_std,
+            (value.study, "edge", value.scale): value.edge_std,
             "model": value.model_std,
         }
         own = math.sqrt(max(0.0, value.std**2 - sum(std**2 for std in shared.values())))

@@ -457,6 +457,7 @@ def _at_load(
         load_N=float(np.mean(rows["load_N"].to_numpy())),
         contacts=len(rows),
         sessions=count,
+        scale=scales[0] if len(scales := list(set(items(rows["scale"])))) == 1 else None,
         **mean(
             "contact_area_mm2",
             area,
@@ -491,7 +492,7 @@ def _at_load(
 
 _PARTS: Final = ("noise", "repeatability", "edge")
 _COLUMNS: Final = (
-    *(*PLACEMENT, "session", "load_N", *QUANTITY_COLUMNS),
+    *(*PLACEMENT, "session", "load_N", "scale", *QUANTITY_COLUMNS),
     *("gross_area_mm2_std", "gross_area_mm2_noise_std", "gross_area_mm2_edge_std"),
     *("semi_major_mm_std", "semi_major_mm_noise_std", "semi_minor_mm_noise_std", "youngs_modulus_kpa_std"),
     *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),

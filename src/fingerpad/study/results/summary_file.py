@@ -444,6 +444,7 @@ class AtLoadRecord(Quantities, Placed):
     load_N: Number = Field(description="Mean of the loads, N.")
     contacts: int = Field(description="Number of contacts.")
     sessions: int = Field(description="Number of sessions.")
+    scale: str | None = Field(default=None, description="Scale that all of them name.")
     contact_area_mm2: AtLoad = Field(description="Geometric mean of the contact areas, mm².")
     youngs_modulus_kpa: ModelledAtLoad = Field(description="Geometric mean of E by Hertz theory, kPa.")
     youngs_modulus_kpa_verdict: str
