@@ -280,6 +280,17 @@ def test_names_that_may_be_of_one_person_or_session_are_named(tmp_path):
     ]
 
 
+def test_angles_that_may_be_of_one_placement_are_named(tmp_path):
+    angles = {"f": (30, 30.4, 45), "g": (30, 31), "h": (30.4, 30.4)}
+    presses = [
+        contact(f"{name}{k}", finger=name, wedge=angle)
+        for name, stated in angles.items()
+        for k, angle in enumerate(stated)
+    ]
+    words = "f: wedge_angle_deg 30 and 30.4: is this one placement? then write one angle for all its presses"
+    assert list(read_study(write_study(tmp_path, *map(finger, angles), *presses)).doubts()) == [words]
+
+
 def test_loads_and_lengths_of_a_spreadsheet_may_be_in_other_units(tmp_path):
     head = "name;finger;wedge_angle_deg;Load (mN);semi_major_um;semi_minor_mm;ellipse_mm_std"
     cells = "b;index;45;300;5301;4,12;0,1"

@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from typing import Annotated, Any, Final, Literal, NamedTuple, Self, TypeAlias, TypeVar, get_args
 
 from pydantic import (
@@ -41,6 +42,9 @@ def _over_bone(value: object) -> object:
         raise ValueError("leave it out where there is no bone: E by Hertz theory is that of deep tissue")
     return value
 
+
+# Wedge angles that differ by less, in degrees, may be meant as one.
+_ONE_ANGLE: Final = 1.0
 
 # Wide bounds that only a wrong unit or a typing error exceeds.
 Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False), AfterValidator(not_tiny)]
@@ -673,19 +677,7 @@ class Study(ManifestModel):
             axes = finger.semi_axes_mm
             if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
-        named = {
-            "finger": [finger.name for finger in self.fingers],
-            "person": [finger.person or "" for finger in self.fingers],
-            "session": [observation.session or "" for observation in self.observations],
-        }
-        for kind, all_names in named.items():
-            alike: dict[str, list[str]] = {}
-            for name in dict.fromkeys(all_names):
-                alike.setdefault(re.sub(r"(?<!\d)[\W_]+|[\W_]+(?!\d)", "", name).casefold(), []).append(name)
-            for names in alike.values():
-                if len(names) > 1:
-                    which = f"{joined(names, 3)}: are these names of one {kind}?"
-                    yield f"{which} then write one of them everywhere"
+        yield from self._names_alike()
         entered: dict[tuple[float, float], list[str]] = {}
         for observation in self.observations:
             if (ellipse := observation.ellipse_mm) and ellipse.semi_major != round(ellipse.semi_major, 2):
@@ -703,6 +695,36 @@ class Study(ManifestModel):
         ]
         if placed:
             yield f"{joined(placed, 1)}: less than 1.6°: is wedge_angle_deg in radians, not degrees?"
+        yield from self._angles_alike()
+
+    def _names_alike(self) -> Iterator[str]:
+        """Yield names that may be of one finger, person or session."""
+        named = {
+            "finger": [finger.name for finger in self.fingers],
+            "person": [finger.person or "" for finger in self.fingers],
+            "session": [observation.session or "" for observation in self.observations],
+        }
+        for kind, all_names in named.items():
+            alike: dict[str, list[str]] = {}
+            for name in dict.fromkeys(all_names):
+                alike.setdefault(re.sub(r"(?<!\d)[\W_]+|[\W_]+(?!\d)", "", name).casefold(), []).append(name)
+            for names in alike.values():
+                if len(names) > 1:
+                    which = f"{joined(names, 3)}: are these names of one {kind}?"
+                    yield f"{which} then write one of them everywhere"
+
+    def _angles_alike(self) -> Iterator[str]:
+        """Yield angles of a finger that may be of one placement."""
+        angles: dict[str, set[float]] = {}
+        tables: tuple[Contact | Curve, ...] = (*self.observations, *self.sequences, *self.curves)
+        for one in tables:
+            angles.setdefault(one.finger, set()).add(one.wedge_angle_deg)
+        for finger_name, stated in angles.items():
+            for low, high in pairwise(sorted(stated)):
+                if high - low < _ONE_ANGLE and not in_radians(high):
+                    which = f"{finger_name}: wedge_angle_deg {low:.6g} and {high:.6g}"
+                    yield f"{which}: is this one placement? then write one angle for all its presses"
+                    break
 
     @property
     def has_models(self) -> bool:
