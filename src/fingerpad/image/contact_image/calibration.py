@@ -97,6 +97,7 @@ class RidgeAreaError:
     # Mottle in broad, blurred ridges may be of ink or paper.
     by_grain: float = 3.0  # by grain times the change of the ridges' share of the contact with their level
     usual_grain: float = 0.06  # that pores and blur make
+    most_grain: float = 0.1  # more than that tells no more
 
     # The area's own.
     least_std: float = 0.008  # where the level does not matter

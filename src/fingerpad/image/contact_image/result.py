@@ -325,11 +325,12 @@ def _outline_uncertainty(
 def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: float) -> float:
     """Return the standard uncertainty of the area of resolved ridges inside a given outline."""
     share = known / gross_area
+    grain = min(ridges.grain * ridges.softness * share, RIDGE_AREA.most_grain)
     fade = edge.fade / edge.period - RIDGE_AREA.sharp_fade
     return known * math.hypot(
         RIDGE_AREA.least_std,
         RIDGE_AREA.level_std * ridges.softness,
-        RIDGE_AREA.by_grain * max(0.0, ridges.grain * ridges.softness * share - RIDGE_AREA.usual_grain),
+        RIDGE_AREA.by_grain * max(0.0, grain - RIDGE_AREA.usual_grain),
         RIDGE_AREA.by_rim * edge.signs.cover**2,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
         RIDGE_AREA.by_moisture * max(0.0, min(share, RIDGE_AREA.wet_share) - RIDGE_AREA.dry_share),

@@ -405,13 +405,7 @@ def pool_by_load(
         group = table.iloc[places].sort_values("load_N", kind="stable")
         load = nominal_loads(group["load_N"].to_numpy())
         found += [
-            _at_load(
-                rows,
-                key,
-                group[load == one],
-                validity=validities.get(key),
-                between=between,
-            )
+            _at_load(rows, key, group[load == one], validity=validities.get(key), between=between)
             for one in np.unique(load)
         ]
     return found

@@ -85,9 +85,8 @@ class FingerAtAngle:
         self.loaded = areas[areas["pooled"] & (areas["load_N"] > 0)]  # rows of which areas and loads count
         repeats = rows.repeatability.get(summary.synthetic)
         self.press_std = 0.0 if summary.synthetic else PRESS_STD  # relative, of areas of presses at one load
-        self.press_freedom = self.repeat_freedom = (
-            math.inf
-        )  # degrees of freedom of that, and of repeats alone
+        # Degrees of freedom of that, and of repeats alone.
+        self.press_freedom = self.repeat_freedom = math.inf
         if repeats is not None and repeats.known:
             # Few repeats may scatter less than noise by chance: what is usual counts beside them.
             usual = 0 if summary.synthetic else _PRESS_FREEDOM
@@ -552,9 +551,7 @@ def _modulus_check(
     variance = (own.std / own.value) ** 2 + std**2 + 2 * shared
     value = math.exp(log_value)
     return CHECKS["modulus_on_layer"].of_ratio(
-        (own.value, own.std),
-        (value, value * std),
-        log_std=math.sqrt(max(variance, 0.0)),
+        (own.value, own.std), (value, value * std), log_std=math.sqrt(max(variance, 0.0))
     )
 
 
