@@ -8,7 +8,14 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import Scale, draw_overlay, measure_contact_image, measure_photograph, write_overlay
+from fingerpad.image import (
+    Scale,
+    draw_overlay,
+    measure_contact_image,
+    measure_photograph,
+    read_image,
+    write_overlay,
+)
 from fingerpad.image.overlay import ELLIPSE_COLOUR, POINT_COLOUR, draw_scale_bar
 from fingerpad.simulate import render_contact_image, render_finger
 
@@ -83,6 +90,14 @@ def test_label_in_corner(made, within):
     changed = np.argwhere((plain != labelled).any(axis=-1))
     assert changed.size
     assert (changed.max(axis=0) < within).all()
+
+
+@both
+def test_a_file_is_drawn_over_as_its_pixels_are(tmp_path, made):
+    truth, found = made()
+    Image.fromarray(truth.pixels).save(path := tmp_path / "measured.png")
+    for same in (path, str(path), read_image(path, colour=True)):
+        np.testing.assert_array_equal(draw_overlay(same, found), draw_overlay(truth.pixels, found))
 
 
 @both

@@ -19,7 +19,7 @@ from fingerpad.image._masks import BITS, to_fixed_point
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.levels import picture_levels, stretched
 from fingerpad.image.photograph.result import PhotographFit
-from fingerpad.image.read import in_colour
+from fingerpad.image.read import ImageLike, in_colour, levels_of
 
 Colour: TypeAlias = tuple[int, int, int]
 Canvas: TypeAlias = npt.NDArray[np.uint8]
@@ -49,7 +49,7 @@ _ASCII = str.maketrans({} if int(cv2.__version__.partition(".")[0]) >= 5 else {"
 
 
 def draw_overlay(
-    pixels: npt.ArrayLike, found: ContactImageResult | PhotographFit, *, label: str | None = None
+    image: ImageLike, found: ContactImageResult | PhotographFit, *, label: str | None = None
 ) -> Canvas:
     """Draw the measurement of a contact image or a photograph over the picture.
 
@@ -63,7 +63,7 @@ def draw_overlay(
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns) or (rows, columns, 3)
+    image : path-like, Picture, or array_like (rows, columns) or (rows, columns, 3)
         The picture that was measured.
     found : ContactImageResult or PhotographFit
         Its measurement.
@@ -89,16 +89,17 @@ def draw_overlay(
     >>> truth.pixels.shape, draw_overlay(truth.pixels, contact).shape
     ((197, 177), (1182, 1062, 3))
     """
-    if isinstance(found, ContactImageResult):
-        return _draw_contact_image(pixels, found, label)
-    if not isinstance(found, PhotographFit):
+    if not isinstance(found, ContactImageResult | PhotographFit):
         raise ImageError(f"found must be a ContactImageResult or PhotographFit, found {type(found).__name__}")
-    return _draw_photograph(pixels, found, label)
+    pixels = levels_of(image, colour=True)
+    if isinstance(found, PhotographFit):
+        return _draw_photograph(pixels, found, label)
+    return _draw_contact_image(pixels, found, label)
 
 
 def write_overlay(
     path: str | PathLike[str],
-    pixels: npt.ArrayLike,
+    image: ImageLike,
     found: ContactImageResult | PhotographFit,
     *,
     label: str | None = None,
@@ -109,7 +110,7 @@ def write_overlay(
     ----------
     path : path-like
         The file to write.
-    pixels, found, label
+    image, found, label
         As for `draw_overlay`.
 
     Returns
@@ -132,7 +133,7 @@ def write_overlay(
     'palmar.png'
     """
     path = Path(path)
-    canvas = draw_overlay(pixels, found, label=label)
+    canvas = draw_overlay(image, found, label=label)
     try:
         if path.suffix.lower() == ".png":
             path.write_bytes(imagecodecs.png_encode(canvas, level=_PNG_LEVEL, filter=_PNG_FILTER))
