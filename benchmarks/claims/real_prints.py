@@ -28,7 +28,7 @@ SEEN: Final = {
     "b001_04p": "right as far as the card shows it: cut at the tip",
     "b001_08p": "cut at the tip, form text taken in, patchy below",
     "card0001_01_1000ppi": "fills the frame",
-    "card0001_03_1000ppi": "two phalanges, fills the frame",
+    "card0001_03_1000ppi": "the tip alone, cut at a slant below the crease",
 }
 
 

@@ -489,6 +489,17 @@ def test_other_patches_count_if_ridged():
     assert [contact.flags for contact in found] == [("several_regions",), ()]
 
 
+@pytest.mark.parametrize(("seed", "strength"), [(1, 0.4), (3, 0.35), (5, 0.35)])
+def test_fainter_print_that_overlaps_the_contact_is_left_out_and_flagged(seed, strength):
+    truth, earlier = (
+        render_contact_image(semi_major=6, semi_minor=5, seed=s, margin=5) for s in (seed, seed + 1)
+    )
+    fainter = 250 - strength * (250.0 - np.roll(earlier.pixels, 60, axis=0))
+    found = measure_contact_image(np.minimum(truth.pixels, fainter), PPI_500)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.08)  # 28 to 32 % with the earlier print
+    assert found.flags == ("several_regions",)
+
+
 def test_triangle_is_poor_ellipse():
     pixels = render_contact_image(semi_major=12, semi_minor=12, seed=3, pattern="arch", margin=2).pixels
     rows, columns = pixels.shape

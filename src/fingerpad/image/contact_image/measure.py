@@ -28,7 +28,7 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image.edge import Edge, trace_edge
 from fingerpad.image.contact_image.manual import RegionEdit, region_after_strokes, region_of_ellipse
-from fingerpad.image.contact_image.region import Region, find_region
+from fingerpad.image.contact_image.region import OTHER_RIDGED, Region, find_region
 from fingerpad.image.contact_image.result import LOW_CONTRAST, ContactImageResult, evaluate
 from fingerpad.image.contact_image.ridges import CLEAR_RISE, Ridges, find_ridges, smoothed
 from fingerpad.image.contact_image.smooth import find_smooth
@@ -215,30 +215,30 @@ def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | N
         try:
             region = find_region(view, ridges, seed)
             if threshold is None:
-                ridges, region = _without_smears(view, ridges, region, seed)
+                region = _without_smears(view, ridges, region, seed)
             found = region, trace_edge(view, ridges, region)
         except ImageError as error:
             reason = str(error)
     return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
 
 
-def _without_smears(
-    view: View, ridges: Ridges, region: Region, seed: tuple[float, float] | None
-) -> tuple[Ridges, Region]:
-    """Leave places without ridges out of the contact where it is the rounder for that.
+def _without_smears(view: View, ridges: Ridges, region: Region, seed: tuple[float, float] | None) -> Region:
+    """Leave smears and fainter prints out of the contact where it is the rounder for that.
 
-    Grease beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
+    What lies beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
     """
     smeared = ridges.share_below(CLEAR_RISE * view.contrast, region.patch)
     if smeared < _SMEARED or region.roundness > _ROUND:
-        return ridges, region
-    clear = find_ridges(view, None, CLEAR_RISE)
+        return region
     with suppress(ImageError):
-        part = find_region(view, clear, seed)
+        # A place is ridge above half of the rise: what rises by less than `CLEAR_RISE` does not get there.
+        part = find_region(view, find_ridges(view, None, 2 * CLEAR_RISE), seed)
         common = np.count_nonzero(part.patch & region.patch)
-        if 2 * common > np.count_nonzero(region.patch) and part.roundness > region.roundness:
-            return clear, part
-    return ridges, region
+        left_out = np.count_nonzero(region.patch) - common
+        if left_out < common and part.roundness > region.roundness:
+            other = bool(left_out > OTHER_RIDGED * np.count_nonzero(part.patch))
+            return replace(part, several=part.several or other)
+    return region
 
 
 def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:

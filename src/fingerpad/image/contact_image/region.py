@@ -37,7 +37,7 @@ _APPENDAGE_RATIO: Final = 0.35  # parts narrower than this share of the patch's 
 _WIDTH_STEP: Final = 3  # every third pixel shows widths
 _OFF_CENTRE: Final = 0.7  # a patch wins by its area, less so the further off the centre
 OTHER_REGION: Final = 0.2  # beside other patches of this share of the contact's area there are several
-_OTHER_RIDGED: Final = 0.1  # beside patches with ridges, less
+OTHER_RIDGED: Final = 0.1  # beside patches with ridges, less
 _RIDGED_STD: Final = 85  # their amounts of ridge have a greater standard deviation
 
 
@@ -67,7 +67,7 @@ def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) ->
     least = OTHER_REGION
     if view.resolved:  # then smears and dirt are not of the same print
         patches = [patch for patch in patches if ridges.amount[patch].std() > _RIDGED_STD]
-        least = _OTHER_RIDGED
+        least = OTHER_RIDGED
     return Region(
         patch=_without_appendages(contact, view.period),
         several=bool(sum(map(np.count_nonzero, patches)) > least * np.count_nonzero(contact)),
