@@ -96,6 +96,7 @@ _OF_ERROR = {
     "usual_grain": "choice: where by_grain begins",
     "dry_share": "choice: where by_moisture begins",
     "wet_share": "choice: where by_moisture ends",
+    "most_grain": "choice: where by_grain ends, as beyond the sets of images only real prints have more",
     "at_rim": "no error inside a given outline depends on it",
 }
 PROBLEMS = (

@@ -30,6 +30,7 @@ from fingerpad.simulate import (
 )
 from fingerpad.study.engine.runner import Progress
 
+ROOT = Path(__file__).parents[2]
 FIELDS = "fields --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30 --youngs-modulus-kpa 70 --grid 64"
 
 
@@ -444,14 +445,23 @@ def test_init_then_run(tmp_path: Path) -> None:
     assert (tmp_path / "example" / "study.toml").is_file()
 
 
-def test_pages_say_what_a_run_of_the_example_prints(run_example: Path, tmp_path: Path) -> None:
+def test_pages_say_what_commands_print(run_example: Path, tmp_path: Path) -> None:
     answer, meaning = printed("run", shutil.copytree(run_example, tmp_path / "example")).splitlines()[:2]
     assert answer.startswith("synthetic_pad, 30° (synthetic): modulus")
-    docs = Path(__file__).parents[2] / "docs"
-    assert f"\n    {answer}\n" in (docs / "index.md").read_text(encoding="utf-8")
-    assert f"\n    {answer}\n    {meaning}\n" in (docs / "tutorial" / "command-line.md").read_text(
-        encoding="utf-8"
+    index, tutorial, readme = (
+        (ROOT / page).read_text(encoding="utf-8")
+        for page in ("docs/index.md", "docs/tutorial/command-line.md", "README.md")
     )
+    assert f"\n    {answer}\n" in index
+    assert f"\n    {answer}\n    {meaning}\n" in tutorial
+    area, *_ = (
+        line
+        for line in printed(
+            "measure", "print", ROOT / "examples/dzidek2017/synthetic/synthetic_30deg_2N.png", "--ppi", 500
+        ).splitlines()
+        if line.startswith("gross_area_mm2 ")
+    )
+    assert f"`{' '.join(area.split())}`" in readme
 
 
 def test_init_from_files(run_example: Path, tmp_path: Path) -> None:
