@@ -110,26 +110,17 @@ def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom():
     assert mean.between_fingers_std == pytest.approx(expected, rel=1e-6)
 
 
-def test_what_a_jig_adds_does_not_average_away_within_a_study():
-    def mean_std(studies: list[str]) -> float:
-        values = [
-            value(14.0, 0.2, person=f"P{n}", study=study, shared_std=0.199) for n, study in enumerate(studies)
-        ]
+@pytest.mark.parametrize(
+    ("error", "what"),
+    [("shared_std", "study"), ("gain_std", "study"), ("scale_std", "scale"), ("edge_std", "scale")],
+)
+def test_what_values_of_one_jig_force_scale_or_edge_share_does_not_average_away(error, what):
+    def mean_std(names: str) -> float:
+        values = [value(14.0, 0.2, person=f"P{n}", **{what: of, error: 0.199}) for n, of in enumerate(names)]
         return compare.means_of(values)[0].std
 
-    assert mean_std(["A"] * 16) == pytest.approx(0.2, rel=0.01)
-    assert mean_std(["A", "B"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
-
-
-def test_an_edge_is_shared_by_contacts_of_one_scale():
-    def mean_std(scales: list[str]) -> float:
-        values = [
-            value(14.0, 0.2, person=f"P{n}", scale=scale, edge_std=0.199) for n, scale in enumerate(scales)
-        ]
-        return compare.means_of(values)[0].std
-
-    assert mean_std(["camera"] * 16) == pytest.approx(0.2, rel=0.01)
-    assert mean_std(["camera", "reader"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
+    assert mean_std("A" * 16) == pytest.approx(0.2, rel=0.01)
+    assert mean_std("AB" * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
 
 
 def test_real_and_synthetic_angles_and_rolls_never_mix():

@@ -20,6 +20,7 @@ from fingerpad.study.corrections.log import SECOND_OPERATOR_NAME, CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import ContactSequence, Observation
+from fingerpad.study.measuring.contacts import blind_order
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems
@@ -323,3 +324,11 @@ def test_what_is_no_second_opinion_is_left_out(finished):
     second(finished, "o3", ellipse(41, 30))
     (pair,) = run_study(finished, finished.parent / "out").operator_pairs
     assert (pair.observation, pair.first_operator) == ("o3", "anna")
+
+
+def test_random_order_takes_every_part_of_a_study_alike():
+    names = [f"print_{k}" for k in range(400)]
+    order = blind_order(names)
+    assert sorted(order) == sorted(names)
+    assert blind_order(names[::-1]) == order
+    assert abs(np.corrcoef(np.arange(400), [names.index(name) for name in order])[0, 1]) < 0.15

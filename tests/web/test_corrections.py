@@ -2,11 +2,8 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
 import pytest
 from tests.web.conftest import Client
-
-from fingerpad.web.api.corrections import blind_order
 
 PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
@@ -135,11 +132,3 @@ def test_the_second_operator_has_corrections_of_their_own(client, studies_folder
     assert client.tell("corrections/undo", **of, who="bob", expected=asked["last_id"])["change"] == {}
     assert (studies_folder / "demo" / "second_operator.jsonl").read_text().count("\n") == 2
     assert "second_operator.jsonl" not in {one["file"] for one in state["files"]}
-
-
-def test_random_order_takes_every_part_of_a_study_alike():
-    names = [f"print_{k}" for k in range(400)]
-    order = blind_order(names)
-    assert sorted(order) == sorted(names)
-    assert blind_order(names[::-1]) == order
-    assert abs(np.corrcoef(np.arange(400), [names.index(name) for name in order])[0, 1]) < 0.15

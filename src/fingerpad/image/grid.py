@@ -254,6 +254,8 @@ def measure_grid(
             f"points must be two whole numbers, {_MIN_POINTS} or more each way, found {points}"
         )
     rows, columns = points = (int(counts[0]), int(counts[1]))
+    positive_number(spacing_mm, "spacing_mm", CalibrationError)  # before the picture is read
+    non_negative_number(spacing_mm_std, "spacing_mm_std", CalibrationError)
     grey = picture_levels(levels_of(image), "image", CalibrationError).astype(np.float32)
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)

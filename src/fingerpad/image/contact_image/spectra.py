@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import cv2
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy import fft
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
@@ -135,7 +136,7 @@ def _textured_windows(pixels: npt.NDArray[Any], inside: BoolArray | None) -> npt
     if np.any(pad):
         pixels = np.pad(pixels, pad, mode="reflect")
         inside = None if inside is None else np.pad(inside, pad, mode="edge")
-    windows = _windows(pixels)[::_STEP, ::_STEP]
+    windows = sliding_window_view(pixels, (_SIDE, _SIDE))[::_STEP, ::_STEP]
     some = tuple(slice(0, n // _STEP * _STEP, _STRIDE) for n in pixels.shape)
     sparse = pixels[some].astype(np.float32)
     mean = _window_means(sparse)
@@ -147,12 +148,6 @@ def _textured_windows(pixels: npt.NDArray[Any], inside: BoolArray | None) -> npt
     count = min(_MOST, len(textured))
     rows, columns = textured[np.linspace(0, len(textured) - 1, count).astype(int)].T
     return np.asarray(windows[rows, columns])
-
-
-def _windows(pixels: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return all windows, (rows, columns, 32, 32), to read only; cheaper than NumPy's own function."""
-    counts = [n - _SIDE + 1 for n in pixels.shape]
-    return np.lib.stride_tricks.as_strided(pixels, (*counts, _SIDE, _SIDE), 2 * pixels.strides)
 
 
 def _window_means(sparse: Float32Array) -> Float32Array:
@@ -251,7 +246,7 @@ def _flowing_waves(
 
     The grid are rows and columns of the windows' centres; neighbours are so many places apart.
     """
-    windows = _windows(copy)
+    windows = sliding_window_view(copy, (_SIDE, _SIDE))
     y, x = ((k - _SIDE // 2).clip(0, n - 1) for k, n in zip(grid, windows.shape[:2], strict=True))
     row, column = np.nonzero(chosen)
     peaks = _peaks(windows[y[row], x[column]])

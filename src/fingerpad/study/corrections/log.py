@@ -277,6 +277,28 @@ def _is_frame(number: str) -> bool:
     return number.isdecimal() and str(int(number)) == number
 
 
+# How an image is measured. What was drawn, and the place of a contact, belong to one image alone.
+_SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px", "mask_px")
+
+
+def similar_images(item: str, study: Study) -> list[str]:
+    """Return the other contact images of the same finger with the same scale, as of one device."""
+    one = Correctable(study).table(item)
+    if not isinstance(one, Observation) or one.file is None:
+        return []
+    return [
+        each.name
+        for each in study.observations
+        if each.file and each.name != item and (each.finger, each.scale) == (one.finger, one.scale)
+    ]
+
+
+def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
+    """Return a correction with another one's settings and without a verdict; what was drawn stays."""
+    settings = {name: value for name in _SHARED_SETTINGS if (value := getattr(source, name)) is not None}
+    return target.model_copy(update={**settings, "accepted": False, "rejected": None})
+
+
 CORRECTIONS_LOCK: Final = ".corrections.lock"
 _MOST_NAME: Final = 200
 

@@ -3,7 +3,8 @@
 Pictures that two persons outlined, the second without seeing what the first drew, tell how these agree.
 """
 
-from collections.abc import Iterable, Iterator
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -288,6 +289,11 @@ class OperatorPair:
             "iou": self.iou,
             "reason": self.reason,
         }
+
+
+def blind_order(names: Sequence[str]) -> list[str]:
+    """Return names in a random order, the same everywhere, whose first few are a random sample."""
+    return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
 
 def operator_pairs(context: RunContext, perform: Perform) -> list[OperatorPair]:

@@ -1,24 +1,24 @@
 """Corrections of items: saved with author and time, undone and redone, and repeated by a second operator."""
 
-import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from http import HTTPStatus
-from typing import Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field
 
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.log import (
-    Correctable,
     CorrectedPooling,
     CorrectionLog,
     Record,
     kind_of,
     on_another_image,
+    similar_images,
+    with_settings_of,
 )
-from fingerpad.study.manifest.models import Observation, Study
+from fingerpad.study.measuring.contacts import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers import Answer, Review, review_of
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
@@ -150,28 +150,6 @@ def _saved(opened: StudySession, params: StepParams, save: Callable[..., object]
     return found
 
 
-# How an image is measured. What was drawn, and the place of a contact, belong to one image alone.
-_SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px", "mask_px")
-
-
-def _similar_images(item: str, study: Study) -> list[str]:
-    """Return the other contact images of the same finger with the same scale, as of one device."""
-    one = Correctable(study).table(item)
-    if not isinstance(one, Observation) or one.file is None:
-        return []
-    return [
-        each.name
-        for each in study.observations
-        if each.file and each.name != item and (each.finger, each.scale) == (one.finger, one.scale)
-    ]
-
-
-def _with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings and without a verdict; what was drawn stays."""
-    settings = {name: value for name in _SHARED_SETTINGS if (value := getattr(source, name)) is not None}
-    return target.model_copy(update={**settings, "accepted": False, "rejected": None})
-
-
 @router.get("/corrections/similar")
 def similar(opened: Opened, item: Item) -> SimilarImages:
     """Return the images that a correction's settings may apply to, with their new corrections."""
@@ -182,7 +160,7 @@ def similar(opened: Opened, item: Item) -> SimilarImages:
     def image(other: str) -> SimilarImage:
         history = opened.corrections.history(other)
         now = contact_correction(history.active_correction)
-        proposed = _with_settings_of(source, now)
+        proposed = with_settings_of(source, now)
         return SimilarImage(
             item=other,
             last_id=history.last_id,
@@ -191,13 +169,8 @@ def similar(opened: Opened, item: Item) -> SimilarImages:
             differs=proposed.edits != now.edits,
         )
 
-    settings = _with_settings_of(source, ContactCorrection()).as_json()
-    return SimilarImages(settings=settings, images=[image(one) for one in _similar_images(item, study)])
-
-
-def blind_order(names: Sequence[str]) -> list[str]:
-    """Return names in a random order, the same everywhere, whose first few are a random sample."""
-    return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
+    settings = with_settings_of(source, ContactCorrection()).as_json()
+    return SimilarImages(settings=settings, images=[image(one) for one in similar_images(item, study)])
 
 
 @router.get("/second-operator")
