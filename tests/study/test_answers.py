@@ -11,6 +11,8 @@ import pytest
 from tests import command
 from tests.studies import Table, contact, curve, finger, picture, run, sequence
 
+from fingerpad import pad_uncertainty
+from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.load import load_results
@@ -56,6 +58,38 @@ def test_where_both_models_fail_both_moduli_are_said(tmp_path):
 def test_contact_out_of_the_layer_s_range_has_the_modulus_of_hertz_theory(tmp_path):
     found = answer(tmp_path, THICK, press(2, 14, 9))
     assert " kPa (2 N) without bone; Hertz theory fails" in found.sentence
+
+
+def test_the_modulus_on_bone_is_at_the_highest_load_in_the_range_of_the_laws(tmp_path):
+    result = run(tmp_path, THICK, press(1, 6.0), press(6, 14, 9))
+    (found,) = answers_of(result)
+    assert found.on_bone
+    assert (found.load, found.modulus_load) == (6, 1)
+    assert " kPa (1 N) on its bone" in found.sentence
+    low, high = result.by_load
+    assert found.modulus == low.youngs_modulus_on_layer_kpa
+    assert low.youngs_modulus_on_layer_kpa_verdict
+    assert not high.youngs_modulus_on_layer_kpa_verdict
+
+
+def test_whole_pad_has_the_modulus_and_uncertainty_of_deep_tissue(tmp_path):
+    found = answer(tmp_path, finger(), contact(ellipse=(6.2, 5.9), std=0.05, axis="across"))
+    (check,) = (one for one in found.of.validity.checks if one.check == "youngs_modulus_on_half_space")
+    with_uncertainty = pad_uncertainty(
+        palmar=(7.9, 0.1),
+        distal=(13.8, 0.1),
+        radial_ulnar=(11.8, 0.1),
+        load=(2, 0.02),
+        wedge_angle=(math.radians(30), math.radians(3)),
+        roll_angle=(0, math.radians(3)),
+        semi_major=(6.2, 0.05),
+        semi_minor=(5.9, 0.05),
+        thickness=(math.inf, 0),
+    )["youngs_modulus_on_layer"].times(1000)
+    assert check.reference == pytest.approx(float(with_uncertainty.value), rel=1e-6)
+    assert check.reference_std == pytest.approx(float(with_uncertainty.std), rel=0.02)
+    whole_pad = positive_with_uncertainty(check.reference, check.reference_std)
+    assert f"strained (modulus +12 %), for the whole pad {whole_pad} kPa; corrected" in found.sentence
 
 
 def test_the_largest_difference_stands_with_its_quantity_and_sign(tmp_path):

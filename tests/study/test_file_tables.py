@@ -138,6 +138,12 @@ def test_join_lists_what_is_unmatched_and_what_is_named_twice():
     assert found.files_without_row == ["uploads/b.png", "uploads/d.png"]
 
 
+def test_a_file_taken_for_one_of_another_suffix_is_said():
+    found = join_files(parse_file_table("file,load\na.pgn,1\nb,2"), ["a.png", "b.png"])
+    assert found.rows["a.png"].problems == ("a.pgn is not there: taken for a.png",)
+    assert not found.rows["b.png"].problems
+
+
 def test_pattern():
     names = "S01_left_index_45deg_500mN.png", "x/s2_right-thumb_0deg_1,5mN_b.tif"
     others = "S1_LI_100deg_5mN.png", "IMG_1.png"

@@ -313,7 +313,7 @@ def test_a_verdict_needs_probability_and_size(p_value, size, std, verdict):
 def test_known_errors_count_in_factors():
     assert [verdict_of(0.0, size) for size in (0.05, 0.051, 0.2, 0.21)] == [HOLDS, STRAINED, STRAINED, FAILS]
     # A third too small is as wrong as half too large.
-    low, high = CHECK.of_known_error(1.0, 1.21, ""), CHECK.of_known_error(1.21, 1.0, "")
+    low, high = (CHECK.of_known_error((a, 0.1), (b, 0.1), "") for a, b in ((1.0, 1.21), (1.21, 1.0)))
     assert low.verdict == high.verdict == FAILS
     assert low.relative_difference == pytest.approx(1 / 1.21 - 1)
     assert math.isnan(low.p_value)

@@ -366,7 +366,7 @@ def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
     for found in by_finger.values():
         for first, second in combinations(found, 2):
             apart = abs(first.modulus - second.modulus) / math.hypot(first.modulus_std, second.modulus_std)
-            ratio, loads = second.modulus / first.modulus, second.load / first.load
+            ratio, loads = second.modulus / first.modulus, second.modulus_load / first.modulus_load
             if (
                 apart > _MOST_APART
                 and abs(math.log(ratio)) > math.log(_FAR_APART)

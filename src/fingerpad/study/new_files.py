@@ -337,7 +337,9 @@ def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[d
         table = read_file_table(folder / sheet)
         named = join_files(table, [file for file in found if file != sheet])
         problems += [
-            f"{sheet}, line {row.line}: {'; '.join(row.problems)}" for row in table.rows if row.problems
+            f"{sheet}, line {row.line}: {'; '.join(row.problems)}"
+            for row in sorted((*named.rows.values(), *named.rows_without_file), key=lambda row: row.line)
+            if row.problems
         ]
         if table.sheet:
             problems.append(f"{sheet}: of its sheets {table.sheet!r} alone is read: save each as a file")

@@ -183,10 +183,12 @@ def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
     without = []
     for row in table.rows:
         # Of a name without suffix all is its stem; a decimal point in it begins no suffix.
-        stem = _key(row.file, with_suffix=not re.search(r"\.[A-Za-z]\w{1,4}$", row.file))
-        found = whole.get(_key(row.file, with_suffix=True)) or stems.get(stem) or []
+        has_suffix = re.search(r"\.[A-Za-z]\w{1,4}$", row.file) is not None
+        found = exact = whole.get(_key(row.file, with_suffix=True)) or []
+        found = found or stems.get(_key(row.file, with_suffix=not has_suffix)) or []
         if len(found) == 1 and row.file:
-            owners.setdefault(found[0], []).append(row)
+            unlike = (f"{row.file} is not there: taken for {found[0]}",) if has_suffix and not exact else ()
+            owners.setdefault(found[0], []).append(replace(row, problems=row.problems + unlike))
         else:
             without.append(row)
     without += [row for rows in owners.values() if len(rows) > 1 for row in rows]

@@ -212,8 +212,9 @@ class Answer:
     load: float  # its highest load, N; NaN where no contact counts
     area: float  # contact area there, mm²
     area_std: float
-    modulus: float  # Young's modulus there, kPa
+    modulus: float  # Young's modulus, kPa
     modulus_std: float  # with the model's part
+    modulus_load: float  # its load, N: on bone the highest that is in the range of the laws
     on_bone: bool  # whether that is of tissue of the stated thickness over bone, not by Hertz theory
 
     @property
@@ -253,9 +254,14 @@ class Answer:
             other = hertz.headlines[model_checks.MODULUS]
             value = _quantity("or", other.value, other.total_std, "kPa")
             theory = f" {value} by Hertz theory, which fails too{off}: report the range"
+        elif not self.on_bone and off:
+            # Of no use where loading data contradict the pad without bone more than that.
+            pad = next(one for one in hertz.checks if one.check == model_checks.OF_PAD)
+            if pad.verdict == hertz.verdict and not math.isnan(pad.reference):
+                theory += f", for the whole pad {_quantity('', pad.reference, pad.reference_std, 'kPa')}"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
         if not math.isnan(self.modulus):
-            modulus += f" ({self.load:.3g} N)"
+            modulus += f" ({self.modulus_load:.3g} N)"
         corrected = of.radius_from_indentation_mm, of.radius_from_indentation_mm_total_std
         return f"{modulus}{bone}{theory}; {_quantity('corrected radius', *corrected, 'mm')}"
 
@@ -269,29 +275,42 @@ def answers(
     placements: Iterable[summary_file.PlacementRecord], by_load: Iterable[summary_file.AtLoadRecord]
 ) -> list[Answer]:
     """Return what was found at each placement."""
-    highest = {one.key: one for one in sorted(by_load, key=lambda one: one.load_N)}
-    return [_answer(one, highest.get(one.key)) for one in placements]
+    at_loads: dict[summary_file.PlacementKey, list[summary_file.AtLoadRecord]] = {}
+    for one in sorted(by_load, key=lambda one: one.load_N):
+        at_loads.setdefault(one.key, []).append(one)
+    return [_answer(one, at_loads.get(one.key, [])) for one in placements]
 
 
-def _answer(of: summary_file.PlacementRecord, highest: summary_file.AtLoadRecord | None) -> Answer:
-    if highest is None:  # frames alone: of the one at the highest load
+def _answer(of: summary_file.PlacementRecord, at_loads: Sequence[summary_file.AtLoadRecord]) -> Answer:
+    if not at_loads:  # frames alone: of the one at the highest load
         load, area, area_std = of.highest_load_N, of.highest_area_mm2, of.highest_area_mm2_std
-        hertz, on_bone = of.validity.headlines[model_checks.MODULUS], False
+        hertz = of.validity.headlines[model_checks.MODULUS]
         modulus, std = hertz.value, hertz.total_std
     else:
-        load, area, area_std = highest.load_N, highest.contact_area_mm2, highest.contact_area_mm2_std
-        on_bone = not math.isnan(highest.youngs_modulus_on_layer_kpa)
-        name = "youngs_modulus_on_layer_kpa" if on_bone else "youngs_modulus_kpa"
-        modulus, std = getattr(highest, name), getattr(highest, f"{name}_std")
+        at = at_loads[-1]
+        load, area, area_std = at.load_N, at.contact_area_mm2, at.contact_area_mm2_std
+        modulus, std = at.youngs_modulus_kpa, at.youngs_modulus_kpa_std
+    modulus_load, on_bone = load, False
+    for at in at_loads:  # at the highest in the range of the laws, if any is
+        if not math.isnan(at.youngs_modulus_on_layer_kpa):
+            modulus, std = at.youngs_modulus_on_layer_kpa, at.youngs_modulus_on_layer_kpa_std
+            modulus_load, on_bone = at.load_N, True
     return Answer(
-        of=of, load=load, area=area, area_std=area_std, modulus=modulus, modulus_std=std, on_bone=on_bone
+        of=of,
+        load=load,
+        area=area,
+        area_std=area_std,
+        modulus=modulus,
+        modulus_std=std,
+        modulus_load=modulus_load,
+        on_bone=on_bone,
     )
 
 
 def _quantity(words: str, value: float, std: float, unit: str) -> str:
     if math.isnan(value):
         return f"{words} unknown"
-    return f"{words} {positive_with_uncertainty(value, std)} {unit}"
+    return f"{words} {positive_with_uncertainty(value, std)} {unit}".strip()
 
 
 def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:

@@ -479,7 +479,7 @@ def _at_load(
             scatter=modulus_scatter,
         ),
         youngs_modulus_on_layer_kpa_verdict=validity.on_layer.verdict
-        if validity and validity.on_layer
+        if validity and validity.on_layer and len(layered)
         else "",
     )
 

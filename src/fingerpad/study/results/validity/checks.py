@@ -21,7 +21,7 @@ from fingerpad.loading import LoadingFit
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
 from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.results import summary_file
-from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
+from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, with_thickness
 from fingerpad.study.results.pooling import Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import COLUMNS, Indices, Row, first_record
@@ -41,7 +41,7 @@ from fingerpad.study.results.validity.model_checks import (
     overall_verdict,
     p_value_of,
 )
-from fingerpad.uncertainty import pad_model, pool, pool_random_effects, propagate
+from fingerpad.uncertainty import layer_model, pad_model, pool, pool_random_effects, propagate
 from fingerpad.uncertainty.discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.uncertainty.press_slope import PressSlope
 from fingerpad.units import KPA_PER_MPA
@@ -341,14 +341,28 @@ def _errors(
         widest = f"a/R = {ratio:.2f}, the widest in range"
         size += f": {FLAGS['layer'][flag].words}; off by at least this, the error at {widest}"
     exact = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"] / float(better.load[last])
+    stds = _relative_stds(case, thickness)
     for name, value, reference in (
         (MODULUS, row[MODULUS] * share**-1.5, exact),
         (INDENTATION, row[INDENTATION] * share, float(better.indentation[last])),
     ):
-        found = checks[name].of_known_error(value, reference, size)
+        std = row[f"{name}_std"] * value / row[name]
+        found = checks[name].of_known_error((value, std), (reference, stds[name] * reference), size)
         if flag:  # values of a narrower contact under this load are none of this contact's
-            found = found.with_fields(value=math.nan, reference=math.nan, difference=math.nan)
+            unknown = ("value", "value_std", "reference", "reference_std", "difference")
+            found = found.with_fields(**dict.fromkeys(unknown, math.nan))
         yield found
+
+
+def _relative_stds(case: FingerAtAngle, thickness: float | None) -> dict[str, float]:
+    """Return relative standard uncertainties of E and ξ of the whole pad at the highest load."""
+    assert case.highest is not None
+    std = 0.0 if thickness is None else case.pad.manifest.effective_thickness_mm_std or 0.0
+    inputs = with_thickness(case.highest.inputs, math.inf if thickness is None else thickness, std)
+    with np.errstate(all="ignore"):
+        found = propagate(layer_model, inputs)
+    of = {MODULUS: found["youngs_modulus_on_layer"], INDENTATION: found["indentation_on_layer"]}
+    return {name: float(one.std) / float(one.value) for name, one in of.items()}
 
 
 # Loads at which a curve is compared, relative to its highest.

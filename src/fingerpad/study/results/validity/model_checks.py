@@ -100,14 +100,19 @@ class ValidityCheck(CheckRecord):
             **found,
         )
 
-    def of_known_error(self, value: float, reference: float, note: str) -> Self:
-        """Compare a model with a better one on the same data: a known error, without a probability."""
-        error = value / reference - 1
+    def of_known_error(self, value: tuple[float, float], reference: tuple[float, float], note: str) -> Self:
+        """Compare a model with a better one on the same data: a known error, without a probability.
+
+        Both have nearly all their errors in common, so that their difference is known far better than they.
+        """
+        error = value[0] / reference[0] - 1
         return self.with_fields(
             verdict=verdict_of(0.0, math.expm1(abs(math.log1p(error)))),
-            value=value,
-            reference=reference,
-            difference=value - reference,
+            value=value[0],
+            value_std=value[1],
+            reference=reference[0],
+            reference_std=reference[1],
+            difference=value[0] - reference[0],
             relative_difference=error,
             note=note,
         )
@@ -204,3 +209,4 @@ CHECKS: Final = {
 QUANTITIES_COMPARED: Final = {line["check"]: line["quantity"] for line in _TABLE}
 
 AREA_FALLS: Final = "area_falls"
+OF_PAD: Final = "youngs_modulus_on_half_space"

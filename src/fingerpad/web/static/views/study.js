@@ -199,7 +199,7 @@ const APPARATUS = [
   ["force_sensor", "Force sensor", "a six-axis force sensor"],
   ["stage", "Stage", "a motorised linear stage"],
   ["poisson_ratio_basis", "Basis of Poisson's ratio", "as usual for soft tissue"],
-  ["thickness_basis", "Basis of the thickness", "from ultrasound"],
+  ["thickness_basis", "Basis of the thickness", "from a loading curve with areas"],
 ];
 
 /** And numbers: key, label, unit. */
