@@ -27,7 +27,7 @@ from fingerpad.study.imports.ellipses import (
 from fingerpad.study.imports.fiji import read_results_table, read_rois
 from fingerpad.study.manifest.sheet import Sheet
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.table import first_record
+from fingerpad.study.results.table import record_at
 
 SEMI_MAJOR, SEMI_MINOR = 146.0, 98.0  # px; 7.4 and 5.0 mm at 500 ppi
 PX_MM = 25.4 / 500
@@ -294,7 +294,7 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path):
     code, _, error = cli(*words)
     assert (code, "is there already" in error) == (2, True)
     assert out.read_text(encoding="utf-8") == filled
-    assert first_record(run_study(study, tmp_path / "out").rows)["load_N"] == 2
+    assert record_at(run_study(study, tmp_path / "out").rows)["load_N"] == 2
 
 
 def test_units_are_asked_for_and_agree(tmp_path):

@@ -22,7 +22,7 @@ from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.study_result import StudyResult, check_uncertainty
-from fingerpad.study.results.table import first_record, records
+from fingerpad.study.results.table import record_at, records
 from fingerpad.uncertainty import PAD_SOURCES
 
 STATED = {"wedge_angle_deg_std": 1.0, "load_relative_std": 0.02}
@@ -41,7 +41,7 @@ def study(
 def test_what_the_pad_is_does_not_average_away(tmp_path):
     one, many = study(tmp_path, majors=[7.0], loads=[1]), study(tmp_path, majors=[7.0] * 30, loads=[1] * 30)
     (alone,), (pooled,) = (result.summaries for result in (one, many))
-    geometry = first_record(one.rows)["mean_curvature_radius_mm_std"]
+    geometry = record_at(one.rows)["mean_curvature_radius_mm_std"]
     assert alone.corrected_radius.total_std > pooled.corrected_radius.total_std > 0.98 * geometry
     assert pooled.corrected_radius.fixed_geometry == pytest.approx(
         alone.corrected_radius.fixed_geometry / np.sqrt(30), rel=1e-6
@@ -83,7 +83,7 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path):
             contacts.append(studies.contact(f"c{number}", number + 1, (major, minor), std=std, axis=""))
         return studies.run(tmp_path, studies.finger(), *contacts, uncertainty=STATED)
 
-    scattered, mean = measured([0.3, 0.5]), first_record(measured([0.4]).rows)["radius_from_indentation_mm"]
+    scattered, mean = measured([0.3, 0.5]), record_at(measured([0.4]).rows)["radius_from_indentation_mm"]
     naive = np.mean([row["radius_from_indentation_mm"] for row in records(scattered.rows)])
     pooled = scattered.summaries[0].corrected_radius
     assert pooled.value == pytest.approx(mean, abs=0.1 * (naive - mean))

@@ -11,7 +11,7 @@ from tests.studies import Table, contact, correct, finger, picture, run
 from fingerpad.image.read import read_resolution
 from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.results.table import Row, first_record, records
+from fingerpad.study.results.table import Row, record_at, records
 
 EXACT = {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0, "load_relative_std": 0}
 
@@ -158,7 +158,7 @@ def test_a_coin_in_many_tables_is_measured_once_in_a_run(folder):
 def test_a_coin_that_is_not_there_costs_its_rows(folder):
     scales = {"euro": {"coin": "print.png", "diameter_mm": 23.25}}
     result = run(folder, finger(), shown(scale="euro"), scales=scales)
-    assert first_record(result.rows)["reason"].startswith("scale euro: print.png: no coin found")
+    assert record_at(result.rows)["reason"].startswith("scale euro: print.png: no coin found")
     assert [failure.partition(": ")[0] for failure in result.failures] == ["x"]
 
 

@@ -16,7 +16,7 @@ from fingerpad.study.results import rows as rows_module
 from fingerpad.study.results.output import write_rows
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.table import COLUMNS, Row, first_record, groups, records, table_of
+from fingerpad.study.results.table import COLUMNS, Row, groups, record_at, records, table_of
 
 KEYS = ("observation", "finger", "load_N", "frame", "pooled", "sequence")
 ROWS = [
@@ -44,8 +44,8 @@ def test_rows_come_out_as_they_went_in(batch):
     table = table_by(ROWS, batch)
     whole = [{**dict.fromkeys(COLUMNS), "synthetic": False, **row} for row in ROWS]
     assert list(records(table)) == whole
-    assert first_record(table) == whole[0]
-    assert first_record(table[:0]) is None
+    assert record_at(table) == whole[0]
+    assert record_at(table[:0]) is None
     assert all(
         type(item) in {str, float, int, bool, type(None)} for row in records(table) for item in row.values()
     )

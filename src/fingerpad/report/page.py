@@ -29,7 +29,7 @@ from fingerpad.study.results.output import Answer, answers_of
 from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import first_record, records
+from fingerpad.study.results.table import record_at, records
 
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
@@ -161,7 +161,7 @@ def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any
     single = summary.column("frame").isna()
     return {
         "summary": summary,
-        "row": first_record(summary.table.iloc[summary.places[:1]]),
+        "row": record_at(summary.table, summary.places[0]),
         "answer": found,
         "contacts": int(single.sum()),
         "pooled": int((single & summary.column("pooled")).sum()),

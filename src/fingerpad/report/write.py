@@ -48,7 +48,9 @@ def _draw_here(folder: Path, tasks: Iterable[Task], on_drawn: Callable[[Task], N
 def _task(part: StudyResult, file: str) -> Task:
     """Return the drawing of a finger's page, keyed by all that it shows and by the code that draws."""
     (name,) = part.fingers
-    shown = replace(part, provenance={**part.provenance, "made": None})
+    # The table of all summaries is that of the rows: it is digested once.
+    summaries = [replace(one, table=part.rows[[]]) for one in part.summaries]
+    shown = replace(part, summaries=summaries, provenance={**part.provenance, "made": None})
     return Task(
         name=f"/page {name}",  # no item's name begins like this
         item=name,

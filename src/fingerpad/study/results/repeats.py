@@ -1,18 +1,17 @@
 """Repeats of a contact: how they scatter, and area and modulus of a finger at each load, pooled over them."""
 
 import math
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import islice, takewhile
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy import special
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad._words import counted
 from fingerpad.image import implausible_size
@@ -334,34 +333,33 @@ _ON_LAYER: Final = "youngs_modulus_on_layer"
 _MOST_UNCERTAIN: Final = 100.0
 
 
-def _mean(
-    name: str,
-    values: FloatArray,
-    parts: Mapping[str, FloatArray],
-    total: FloatArray,
-    *,
-    freedom: float,
-    sessions: int,
-    scatter: ScatterLevelRecord | None,
-    model: float = math.nan,
-) -> dict[str, Any]:
-    """Return the geometric mean of `name` over contacts of one finger under one load, by keys of a record.
+class _Quantity(NamedTuple):
+    """A quantity of all contacts of a finger at one placement."""
 
-    Values are positive; `parts` are the standard uncertainties of each from noise, repeatability and edge,
-    `total` that from all. `freedom` is of the repeatability, infinite where that is not known; `sessions` is
-    their number, and `scatter` how they scatter where that is known; `model` what the model adds, relative to
-    the values. Of no values nothing is known.
+    values: FloatArray  # positive, NaN where unknown
+    parts: Mapping[str, FloatArray]  # standard uncertainties from noise, repeatability and edge
+    total: FloatArray  # and from all
+    scatter: ScatterLevelRecord | None  # of sessions, where that is known
+    model: float = math.nan  # what the model adds, relative to the values
+
+
+def _mean(name: str, of: _Quantity, chosen: BoolArray, *, freedom: float, sessions: int) -> dict[str, Any]:
+    """Return the geometric mean of `name` over contacts under one load, by keys of a record.
+
+    `freedom` is of the repeatability, infinite where that is not known; `sessions` is their number. Of no
+    values nothing is known.
 
     Noise (in a modulus with the load's) and the scatter of repeats beyond it are divided by √n, the
     difference between sessions by the root of their number; contacts share the rest. The 95 % interval has
     Student's t for noise, repeatability and sessions where these are known.
     """
-    count, ends = values.size, ("", *AT_LOAD, "_model_std")
-    if not count:
+    chosen = chosen & ~np.isnan(of.values)
+    values, scatter, ends = of.values[chosen], of.scatter, ("", *AT_LOAD, "_model_std")
+    if not (count := values.size):
         return dict.fromkeys((f"{name}{end}" for end in ends), math.nan)
-    relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
+    relative = {part: np.nan_to_num(std[chosen]) / values for part, std in of.parts.items()}
     apart = sum(each**2 for each in relative.values())
-    whole = (np.nan_to_num(total) / values) ** 2
+    whole = (np.nan_to_num(of.total[chosen]) / values) ** 2
     rest = np.where(whole - apart > _ROUNDING * whole, whole - apart, 0.0)
     other = float(np.mean(np.sqrt(rest)))
     noise, repeat = (
@@ -374,12 +372,12 @@ def _mean(
         _quantile(freedom) * own,
         _quantile(scatter.degrees_of_freedom if scatter is not None else math.inf) * between,
         NORMAL_97_5 * shared,
-        NORMAL_97_5 * math.log1p(np.nan_to_num(model)),
+        NORMAL_97_5 * math.log1p(np.nan_to_num(of.model)),
     )
     half = min(half, _MOST_UNCERTAIN)
-    std = math.hypot(own, between, shared, np.nan_to_num(model))
+    std = math.hypot(own, between, shared, np.nan_to_num(of.model))
     repeats = math.nan if math.isinf(freedom) else repeat
-    factors = (1.0, std, math.exp(-half), math.exp(half), noise, repeats, session, edge, other, model)
+    factors = (1.0, std, math.exp(-half), math.exp(half), noise, repeats, session, edge, other, of.model)
     mean = float(np.exp(np.mean(np.log(values))))
     return {f"{name}{end}": mean * factor for end, factor in zip(ends, factors, strict=True)}
 
@@ -400,30 +398,24 @@ def pool_by_load(
     counts = rows.table["pooled"] & rows.table["frame"].isna()
     table = rows.table[list(_COLUMNS)]
     table = table[counts & (table["load_N"] > 0)]
-    found = []
+    found: list[AtLoadRecord] = []
     for key, places in groups(table, *PLACEMENT).items():
         group = table.iloc[places].sort_values("load_N", kind="stable")
-        load = nominal_loads(group["load_N"].to_numpy())
-        found += [
-            _at_load(rows, key, group[load == one], validity=validities.get(key), between=between)
-            for one in np.unique(load)
-        ]
+        found += _at_loads(rows, key, group, validities.get(key), between)
     return found
 
 
-def _at_load(
+def _at_loads(
     of: Rows,
     key: PlacementKey,
     rows: pd.DataFrame,
-    *,
     validity: ValidityRecord | None,
     between: Mapping[tuple[str, bool], ScatterLevelRecord],
-) -> AtLoadRecord:
-    count, synthetic = len(set(items(rows["session"]))), bool(key[-1])
+) -> Iterator[AtLoadRecord]:
+    """Yield what the rows of a placement come to at each nominal load."""
+    synthetic = bool(key[-1])
     repeatability = of.repeatability[synthetic]
     freedom = float(repeatability.freedom) if repeatability.known else math.inf
-    mean = partial(_mean, freedom=freedom, sessions=count)
-    modulus_scatter = between.get(("youngs_modulus", synthetic))
     area = contact_quantity(rows, "contact_area")
     noise, by_image = area * area_noise(rows), np.isfinite(rows["gross_area_mm2"].to_numpy())
     edge = np.where(by_image, rows["gross_area_mm2_edge_std"].to_numpy(), 0.0)
@@ -440,48 +432,54 @@ def _at_load(
     )
     noise, total = np.hypot(noise, of_load), np.sqrt(total**2 + of_load**2 + of_gain**2)
     # Of a finger without semi-axes no modulus is known.
-    known = rows[:0] if np.isnan(rows[MODULUS].to_numpy()).any() else rows
-    layered = rows[np.isin(rows.index, of.pooled)]
-    places, output = np.searchsorted(of.pooled, layered.index.to_numpy()), POOLED_ON_LAYER.index(_ON_LAYER)
-    variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
+    known = np.isin(rows.index, of.pooled)
+    places, output = np.searchsorted(of.pooled, rows.index[known]), POOLED_ON_LAYER.index(_ON_LAYER)
+    variances = np.full((len(rows), LAYER_PART_SOURCES.size), np.nan)
+    variances[known] = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
     in_range = np.isfinite(variances).all(axis=-1)
-    layered, variances = layered[in_range], variances[in_range]
-    return AtLoadRecord(
-        **dict(zip(PLACEMENT, key, strict=True)),
-        load_N=float(np.mean(rows["load_N"].to_numpy())),
-        contacts=len(rows),
-        sessions=count,
-        scale=scales[0] if len(scales := list(set(items(rows["scale"])))) == 1 else None,
-        **mean(
-            "contact_area_mm2",
+    headline, on_layer = (validity.headlines[MODULUS], validity.on_layer) if validity else (None, None)
+    of_area, of_modulus = (between.get((name, synthetic)) for name in ("contact_area", "youngs_modulus"))
+    quantities = {
+        "contact_area_mm2": _Quantity(
             area,
             {"noise": noise, "repeatability": repeats, "edge": edge},
             as_float_array(np.hypot(total, repeats)),
-            scatter=between.get(("contact_area", synthetic)),
+            of_area,
         ),
-        **mean(
-            MODULUS,
-            known[MODULUS].to_numpy(),
-            {part: known[f"{MODULUS}_{part}_std"].to_numpy() for part in _PARTS},
-            known[f"{MODULUS}_std"].to_numpy(),
-            scatter=modulus_scatter,
-            model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
+        MODULUS: _Quantity(
+            rows[MODULUS].to_numpy(),
+            {part: rows[f"{MODULUS}_{part}_std"].to_numpy() for part in _PARTS},
+            rows[f"{MODULUS}_std"].to_numpy(),
+            of_modulus,
+            headline.model_relative_std if headline else math.nan,
         ),
-        youngs_modulus_kpa_verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
-        **mean(
-            f"{_ON_LAYER}_kpa",
-            layered[f"{_ON_LAYER}_kpa"].to_numpy(),
+        f"{_ON_LAYER}_kpa": _Quantity(
+            np.where(in_range, rows[f"{_ON_LAYER}_kpa"], np.nan),
             {
                 part: np.sqrt(variances[:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
                 for part, sources in STATED_APART.items()
             },
             np.sqrt(variances.sum(axis=-1)),
-            scatter=modulus_scatter,
+            of_modulus,
         ),
-        youngs_modulus_on_layer_kpa_verdict=validity.on_layer.verdict
-        if validity and validity.on_layer and len(layered)
-        else "",
-    )
+    }
+    loads, sessions, scales = (rows[name].to_numpy() for name in ("load_N", "session", "scale"))
+    nominal = nominal_loads(loads)
+    for here in (nominal == each for each in np.unique(nominal)):
+        count, devices = len(set(sessions[here])), set(scales[here])
+        means: dict[str, Any] = {}
+        for name, quantity in quantities.items():
+            means |= _mean(name, quantity, here, freedom=freedom, sessions=count)
+        yield AtLoadRecord(
+            **dict(zip(PLACEMENT, key, strict=True)),
+            load_N=float(np.mean(loads[here])),
+            contacts=int(here.sum()),
+            sessions=count,
+            scale=devices.pop() if len(devices) == 1 else None,
+            **means,
+            youngs_modulus_kpa_verdict=headline.verdict if headline else NOT_TESTED,
+            youngs_modulus_on_layer_kpa_verdict=on_layer.verdict if on_layer and in_range[here].any() else "",
+        )
 
 
 _PARTS: Final = ("noise", "repeatability", "edge")

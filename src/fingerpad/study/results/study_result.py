@@ -28,7 +28,7 @@ from fingerpad.study.results import summary_file
 from fingerpad.study.results.pooling import PooledRadius, Summary, exponent_keys, pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.table import first_record, groups, records, with_areas
+from fingerpad.study.results.table import contact_areas, groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.uncertainty.repeats import ContactRepeatability
@@ -256,7 +256,8 @@ def _placement(
     framed = summary.column("frame").notna()
     counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
     # Places are by load: the last is that of the highest.
-    highest = first_record(with_areas(summary.table.iloc[counts[-1:]])) or {}
+    highest = summary.table.iloc[counts[-1:]]  # one row, or none
+    area, area_std = contact_areas(highest)
     radius = validity.headlines[RADIUS]
     return summary_file.PlacementRecord.of(
         summary,
@@ -267,9 +268,9 @@ def _placement(
         **_pooled("radius_from_compliance", summary.compliance_radius),
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
-        highest_load_N=highest.get("load_N"),
-        highest_area_mm2=highest.get("gross_area_mm2"),
-        highest_area_mm2_std=highest.get("gross_area_mm2_std"),
+        highest_load_N=highest["load_N"].max(),
+        highest_area_mm2=area.max(),
+        highest_area_mm2_std=area_std.max(),
         **exponent_keys(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,

@@ -111,13 +111,13 @@ def table_of(
     return pd.DataFrame(columns, index=index, copy=False)
 
 
-def with_areas(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rows with the area of the ellipse where it was given in place of an image."""
+def contact_areas(rows: pd.DataFrame) -> "tuple[pd.Series[float], pd.Series[float]]":
+    """Return areas with standard uncertainties: of the ellipse where it was given in place of an image."""
     axes = rows[["semi_major_mm", "semi_minor_mm"]].to_numpy()
-    area = np.pi * axes.prod(axis=1)
+    ellipse = pd.Series(np.pi * axes.prod(axis=1), rows.index)
     relative = np.hypot(*(rows[["semi_major_mm_std", "semi_minor_mm_std"]].to_numpy() / axes).T)
-    given = {"gross_area_mm2": area, "gross_area_mm2_std": area * relative}
-    return rows.assign(**{name: rows[name].fillna(pd.Series(of, rows.index)) for name, of in given.items()})
+    std = rows["gross_area_mm2_std"].fillna(ellipse * relative)
+    return rows["gross_area_mm2"].fillna(ellipse), std
 
 
 class GrowingArray:
@@ -185,13 +185,11 @@ def batches(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
         yield table.iloc[start : start + _AT_ONCE]
 
 
-def first_record(table: pd.DataFrame) -> Row | None:
-    """Return the first row as a dict, None of an empty table."""
-    if table.empty:
-        return None
-    row = table.iloc[:1].astype(object).iloc[0]  # column by column it takes much longer
-    row = row.where(row.notna(), None)
-    return {name: one.item() if isinstance(one, np.generic) else one for name, one in row.items()}
+def record_at(table: pd.DataFrame, place: int = 0) -> Row | None:
+    """Return one row of a table with text as a dict, None of an empty table."""
+    row = {} if table.empty else table.iloc[place].items()  # column by column it takes much longer
+    plain = ((name, one.item() if isinstance(one, np.generic) else one) for name, one in row)
+    return {name: None if pd.isna(one) else one for name, one in plain} or None
 
 
 def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Indices]:

@@ -36,7 +36,7 @@ from fingerpad.study.measuring.contacts import (
 )
 from fingerpad.study.results.rows import model_contact
 from fingerpad.study.results.summary_file import PLACEMENT
-from fingerpad.study.results.table import COLUMNS, first_record
+from fingerpad.study.results.table import COLUMNS, record_at
 from fingerpad.study.results.validity.model_checks import HEADLINES
 from fingerpad.web.answers import Answer, Point, Quantity, RequestError, quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, router
@@ -269,7 +269,7 @@ class _Image:
             return None
         found, load = self.opened.results(), getattr(self.contact, "load_N", None)
         if load is None and found is not None:
-            frame = first_record(found.table[found.table["observation"] == self.item])
+            frame = record_at(found.table[found.table["observation"] == self.item])
             load = frame and frame["load_N"]
         if finger is None or load is None:
             return None

@@ -24,7 +24,7 @@ from fingerpad.study.results import summary_file
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer, with_thickness
 from fingerpad.study.results.pooling import Summary, area_noise, edges_of, items_of
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.table import COLUMNS, Indices, Row, first_record
+from fingerpad.study.results.table import COLUMNS, Indices, Row, record_at
 from fingerpad.study.results.validity.model_checks import (
     AREA_FALLS,
     CHECKS,
@@ -67,8 +67,8 @@ class FingerAtAngle:
         self.study, self.pad, self.summary = rows.study, rows.fingers[summary.finger], summary
         # The contact at the highest load of those that count, and its row; None where none counts.
         highest = self.highest = rows.highest_load.get(summary.key)
-        self.highest_row = highest and first_record(
-            summary.where(summary.column("observation") == highest.observation)
+        self.highest_row = highest and record_at(
+            rows.table, summary.places[summary.column("observation") == highest.observation][0]
         )
         self.loading = loading_radius(curves, summary.finger_and_wedge)  # R_g
         # Of curves in plausible units on which the place of contact was found.
