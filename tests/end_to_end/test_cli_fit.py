@@ -62,7 +62,7 @@ def test_undetermined_is_null_with_reason(curve: Path, tmp_path: Path) -> None:
         assert record[name] is record[f"{name}_std"] is record[f"{name}_ci95"] is None
         assert "no contact area" in record["reasons"][name]
     assert record["contact_offset_mm"] == pytest.approx(1.0, abs=4 * record["contact_offset_mm_std"])
-    helped = fitted(bare, *columns, "--radius-mm", 15, "--radius-mm-std", 0.5)
+    helped = fitted(bare, *columns, "--loading-radius-mm", 15, "--loading-radius-mm-std", 0.5)
     assert helped["initial_modulus_kpa"] == pytest.approx(40, rel=0.1)
     # With a radius it is the areas that an exponent of them lacks.
     reason = helped["reasons"]["area_exponent"]
@@ -89,7 +89,7 @@ def test_what_is_wrong_with_a_table_is_said_with_the_flag_to_paste(tmp_path: Pat
 
     out, err = fitted("force_mN,displacement_mm,aera_mm2")
     assert err == "note: column 'aera_mm2' was not read; if it is the area: --column area=aera_mm2:mm2\n"
-    assert out.count("no contact area in the curve") == out.count("--radius-mm") == 1
+    assert out.count("no contact area in the curve") == out.count("--loading-radius-mm") == 1
     assert fitted("force_mN,displacement_mm,aera_mm2", "--column", "area=aera_mm2:mm2")[0] == read
 
     out, err = fitted("force_N,displacement_mm,area_mm2")

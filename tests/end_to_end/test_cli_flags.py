@@ -28,7 +28,7 @@ OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--scale-circle", "--grid-po
 # Possible numbers that what is measured contradicts, in words of its own.
 IN_PLAIN_WORDS = {
     "--load-range-n", "--seed-px", "--contact-load-n", "--port", "--cycle", "--threshold",
-    "--radius-mm",
+    "--loading-radius-mm",
 }  # fmt: skip
 # One example of each command, which runs in the folder of the fixture.
 VALID = {
@@ -55,7 +55,7 @@ BESIDE = {
     "modulus --indentation-mm": ("", "--area-mm2"),
     "--indentation-mm": ("", "--load-n"),
     "--area-mm2": ("", "--load-n"),
-    "--radius-mm-std": ("--radius-mm 12", ""),
+    "--loading-radius-mm-std": ("--loading-radius-mm 12", ""),
     "--stage-compliance-mm-per-n-std": ("--stage-compliance-mm-per-n 0.01", ""),
     "--area-delay-s-std": ("--area-delay-s 0.02", ""),
     "--constraint-std": ("--constraint 2", ""),

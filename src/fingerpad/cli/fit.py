@@ -50,7 +50,7 @@ def _thickness(text: str) -> float:
 
 @options.takes(
     loading_radius=estimate_of(
-        "--radius-mm", "Loading radius R_g, mm, where the curve has no area.", "mm", min=1e-6, max=1e6
+        "--loading-radius-mm", "Loading radius R_g, mm, where the curve has no area.", "mm", min=1e-6, max=1e6
     ),
     stage_compliance=estimate_of(
         "--stage-compliance-mm-per-n", "By how much the stage yields under load, mm/N.", "mm/N", min=0
@@ -193,4 +193,4 @@ def fit(
 
 
 def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
-    show.result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --radius-mm")))
+    show.result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --loading-radius-mm")))
