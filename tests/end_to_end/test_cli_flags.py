@@ -40,7 +40,7 @@ VALID = {
     "fields": "--semi-axes-mm 8 14 12 --wedge-deg 9 --youngs-modulus-kpa 9 --load-n 1 --depth-mm 1 --grid 64",
     "simulator": "--semi-axes-mm 8 14 12 --wedge-deg 30 --youngs-modulus-kpa 100 --load-n 1 2",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
-    "fit": "curve.csv",
+    "fit": "curve.csv --stage-compliance-mm-per-n 0",
     "figure": "figure.json",
     "run": "study.toml",
     "app": "nowhere.toml",  # which does not begin to serve

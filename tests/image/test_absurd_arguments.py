@@ -118,13 +118,12 @@ def test_invalid_regions(region):
             ("mask", value)
             for value in ([], [(0, 0), (1e300, 0), (0, 1e300)], [(np.nan, 0), (5, 5), (0, 5)], "x")
         ),
-        ("background", np.zeros(contact().shape)),
-        ("background", np.full(contact().shape, 1e-300)),
-        ("background", np.full(contact().shape, np.nan)),
+        *(("background", level) for level in (0.0, 1e-300, np.nan)),
     ],
     ids=lambda value: str(value)[:20],
 )
 def test_invalid_options(argument, value):
+    value = np.full(contact().shape, value) if argument == "background" else value
     with pytest.raises(ImageError, match=argument):
         image.measure_contact_image(contact(), SCALE, **{argument: value})
 

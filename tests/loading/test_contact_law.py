@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.loading.options import DEEP
 from tests.studies import write_curve
 
 import fingerpad as fp
@@ -144,7 +145,7 @@ def test_rubbish_in_the_search_is_a_reason() -> None:
         return youngs_modulus * indentation**power
 
     curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1)
-    fit = fp.fit_loading_curve(curve, law="breaking")
+    fit = fp.fit_loading_curve(curve, law="breaking", **DEEP)
     assert fit.law is not None
     assert "law_not_fitted" in fit.flags
     reason = fit.law.parameters["power"].reason
@@ -158,7 +159,7 @@ def test_rubbish_in_the_search_is_a_reason() -> None:
     def nothing_deep(indentation, *, youngs_modulus):
         return np.where(indentation < 1.2, youngs_modulus * indentation, np.nan)
 
-    fit = fp.fit_loading_curve(curve, law=nothing_deep)
+    fit = fp.fit_loading_curve(curve, law=nothing_deep, **DEEP)
     assert fit.law is not None
     assert not fit.law.parameters["youngs_modulus"].known
 
@@ -174,7 +175,7 @@ def test_parameter_at_its_bound_is_no_result() -> None:
     def only_growing(indentation, *, loading_radius, youngs_modulus, growth):
         return youngs_modulus * np.sqrt(loading_radius) * indentation**1.5 * (1 + growth * indentation)
 
-    fit = fp.fit_loading_curve(curve, law="only_growing").law
+    fit = fp.fit_loading_curve(curve, law="only_growing", **DEEP).law
     assert fit is not None
     assert "lies at its bound 0" in fit.parameters["growth"].reason
     assert fit.flags == ("law_at_bound", "law_misfit")

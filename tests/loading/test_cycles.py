@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.loading.options import DEEP
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.image import ForceSignal
@@ -105,7 +106,7 @@ def test_time_checks() -> None:
     time = CURVE.time.copy()
     time[100] = time[99]
     time[150:] += 1.0
-    flags = fit_loading_curve(replace(CURVE, time=time)).flags
+    flags = fit_loading_curve(replace(CURVE, time=time), **DEEP).flags
     assert {"duplicated_time", "time_gap"} <= set(flags)
 
 
@@ -129,7 +130,7 @@ def test_areas_that_are_none_are_left_out_and_flagged(clip) -> None:
         area = np.minimum(area, 0.7 * top)
     clipped = replace(CURVE, area=area)
     assert abs(fit_contact_compliance(clipped).value - 15) < 0.5
-    fit = fit_loading_curve(clipped)
+    fit = fit_loading_curve(clipped, **DEEP)
     assert "clipped_area" in fit.flags
     assert {"misfit", "area_offset", "correlated_area"}.isdisjoint(fit.flags)
     assert abs(fit.loading_radius.value - 15) < 3 * fit.loading_radius.std < 1.5
@@ -148,13 +149,13 @@ def test_a_rounded_force_is_right_within_its_uncertainty() -> None:
             area=np.where(depth > 0, np.pi * 12 * pressed + 0.5 * noise[2], 0),
             time=depth / 2 + 1,
         )
-        fit = fit_loading_curve(curve)
+        fit = fit_loading_curve(curve, **DEEP)
         assert fit.flags == ("rounded_force",)
         assert abs(fit.youngs_modulus.value - 0.06) < 3 * fit.youngs_modulus.std < 0.006
         assert abs(fit.contact_offset.value - 7.3) < 3 * fit.contact_offset.std < 0.2
     # At its limit the sensor stands still for longer than at a step.
     clipped = replace(curve, load=np.minimum(curve.load, 15 * step))
-    assert "saturated_force" in fit_loading_curve(clipped).flags
+    assert "saturated_force" in fit_loading_curve(clipped, **DEEP).flags
 
 
 def test_the_loop_covers_the_ground_of_the_way_in_and_counts_from_the_baseline() -> None:

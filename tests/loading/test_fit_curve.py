@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.loading.options import DEEP
 
 from fingerpad import Ellipsoid, Estimate, Placement, Tissue, hertz_contact
 from fingerpad._json import dumps
@@ -19,8 +20,6 @@ from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
 CURVE = simulate_loading_curve(points=120, seed=3, **NOISE)
-# Known to be so, neither a layer nor a yielding stage is fitted as another explanation: three times as fast.
-DEEP = {"thickness": math.inf, "stage_compliance": 0.0}
 
 
 @cache
@@ -44,7 +43,7 @@ def test_a_long_record_with_areas_in_some_rows() -> None:
 
 def test_a_compressible_pad_has_its_modulus() -> None:
     curve = simulate_loading_curve(points=60, poisson_ratio=0.3)
-    fit = fit_loading_curve(curve, poisson_ratio=0.3)
+    fit = fit_loading_curve(curve, poisson_ratio=0.3, **DEEP)
     assert_allclose(fit.initial_modulus.value, 0.04, rtol=1e-3)
 
 
@@ -75,7 +74,7 @@ def test_growing_modulus() -> None:
 def test_given_radius_uncertainty() -> None:
     bare = replace(CURVE, area=None)
     sure, unsure = (
-        fit_loading_curve(bare, loading_radius=Estimate.symmetric(15.0, std)) for std in (0.0, 1.5)
+        fit_loading_curve(bare, loading_radius=Estimate.symmetric(15.0, std), **DEEP) for std in (0.0, 1.5)
     )
     # E goes as R^-1/2 for a given curve: 10 % of the radius are 5 % of the modulus.
     added = np.sqrt(unsure.youngs_modulus.std**2 - sure.youngs_modulus.std**2)
@@ -83,7 +82,7 @@ def test_given_radius_uncertainty() -> None:
     # The force is measured: another radius asks for another modulus, and for the same load.
     assert_allclose(unsure.predict(1.0).std, sure.predict(1.0).std, rtol=0.01)
     assert_allclose(sure.youngs_modulus.value, 0.08, rtol=0.15)
-    four = fit_loading_curve(bare, loading_radius=60.0)
+    four = fit_loading_curve(bare, loading_radius=60.0, **DEEP)
     assert_allclose(four.youngs_modulus.value, sure.youngs_modulus.value / 2, rtol=1e-3)
 
 
@@ -101,7 +100,7 @@ def test_the_record_has_each_number_with_its_interval() -> None:
 
 
 def test_load_range_found_or_given() -> None:
-    curve = simulate_loading_curve(points=240, top_load=4.0, seed=1, **NOISE)
+    curve = simulate_loading_curve(points=120, top_load=4.0, seed=1, **NOISE)
     # From 2 N on the pad is made ever softer than its law.
     soft = np.where(curve.load > 2, curve.load / (1 + 0.9 * (curve.load - 2)), curve.load)
     fit = fit_loading_curve(replace(curve, load=soft), **DEEP)
@@ -119,7 +118,7 @@ def test_load_range_found_or_given() -> None:
 def test_area_before_contact_flagged(offset: float) -> None:
     assert "area_offset" not in fit_of_curve().flags
     moved = replace(CURVE, area=np.maximum(CURVE.area + offset, 0))
-    assert "area_offset" in fit_loading_curve(moved).flags
+    assert "area_offset" in fit_loading_curve(moved, **DEEP).flags
 
 
 def test_chosen_estimator_uncertainty() -> None:
@@ -153,7 +152,7 @@ def test_invalid_options(options: dict, message: str) -> None:
 
 
 def test_constraint_coefficient() -> None:
-    fit = fit_loading_curve(simulate_loading_curve(points=80, force_std=0.004, area_std=0.5, seed=2))
+    fit = fit_of_curve()
     free = fit.divide_by_constraint(Estimate.symmetric(2.0, 0.5))
     for name in ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"):
         before, after = getattr(fit, name), getattr(free, name)
@@ -230,7 +229,7 @@ def test_the_exponent_of_the_load_holds_a_stage_that_yields() -> None:
 def test_a_pad_that_relaxes_is_flagged_and_an_elastic_one_is_not(truth, words) -> None:
     noise = {"force_std": 0.005, "displacement_std": 0.003, "area_std": 1.0}
     pad = {"load_coefficient": 0.0, "rate": 0.5, "points": 200} | truth
-    fit = fit_loading_curve(simulate_loading_curve(**pad, **noise, seed=1))
+    fit = fit_loading_curve(simulate_loading_curve(**pad, **noise, seed=1), **DEEP)
     assert ("relaxes" in fit.flags) == bool(words)
     assert re.search(words, fit.notes.get("relaxes", ""))
     assert "modulus_falls_with_load" not in fit.flags

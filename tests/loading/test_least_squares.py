@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from numpy.testing import assert_allclose
-from scipy import stats
 
 from fingerpad.exceptions import FitError
 from fingerpad.loading.least_squares import effective_count, fit_least_squares
@@ -91,7 +91,7 @@ def test_aicc_differences_agree_with_statsmodels() -> None:
             return np.polynomial.polynomial.polyval(x, p) - y
 
         fit = fit_least_squares(residuals, np.zeros(degree + 1), [f"c{k}" for k in range(degree + 1)])
-        likelihood = stats.norm.logpdf(fit.residuals, scale=np.sqrt(np.mean(fit.residuals**2))).sum()
+        likelihood = scipy.stats.norm.logpdf(fit.residuals, scale=np.sqrt(np.mean(fit.residuals**2))).sum()
         return fit.aicc, eval_measures.aicc(likelihood, 7, degree + 2)
 
     ours, theirs = np.transpose([polynomial(degree) for degree in (1, 2, 3)])

@@ -53,16 +53,18 @@ def pressed(grown, seed: int) -> LoadingCurve:
 
 
 @pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, 6))]
+)
+@pytest.mark.parametrize(
     "grown", [lambda xi: np.exp(0.8 * xi), lambda xi: (xi / 1.6 + 1e-9) ** 0.6], ids=["exponential", "power"]
 )
-def test_tissue_that_stiffens_by_another_law_is_held(grown) -> None:
+def test_tissue_that_stiffens_by_another_law_is_held(grown, seed) -> None:
     """The law's misfit was taken for drift of the force, and moved the modulus out of its interval."""
-    for seed in range(3):
-        fit = fit_loading_curve(pressed(grown, seed))
-        depth = np.interp(fit.modulus_load, *truth_of(grown))
-        modulus = PAD.modulus * float(grown(depth))
-        assert fit.youngs_modulus.lower < modulus < fit.youngs_modulus.upper
-        assert fit.contact_offset.lower < 0.3 < fit.contact_offset.upper
+    fit = fit_loading_curve(pressed(grown, seed))
+    depth = np.interp(fit.modulus_load, *truth_of(grown))
+    modulus = PAD.modulus * float(grown(depth))
+    assert fit.youngs_modulus.lower < modulus < fit.youngs_modulus.upper
+    assert fit.contact_offset.lower < 0.3 < fit.contact_offset.upper
 
 
 def truth_of(grown):
@@ -128,7 +130,8 @@ def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
 def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty() -> None:
     curve = curve_of("stage yields 0.06 mm/N")
     exact, vague = (
-        fit_loading_curve(curve, stage_compliance=Estimate.symmetric(0.06, std)) for std in (0.0, 0.02)
+        fit_loading_curve(curve, stage_compliance=Estimate.symmetric(0.06, std), thickness=math.inf)
+        for std in (0.0, 0.02)
     )
     assert abs(exact.loading_radius.value - PAD.radius) < 3 * exact.loading_radius.std
     assert vague.loading_radius.std > 2 * exact.loading_radius.std

@@ -11,9 +11,9 @@ from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import pytest
-from distributed import Client
 from tests import command
 from tests.study.small_study import FRAMES, PICTURES
 from tests.study.works import crashing
@@ -26,6 +26,9 @@ from fingerpad.study.engine.task import Limits, Task, working_code
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import Row, records
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 TOTAL = PICTURES + 2 + FRAMES
 CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crashing, inputs=())
 
@@ -33,6 +36,13 @@ CRASHING = Task(name="a", item="a", file="a.png", key="k", work=crashing, inputs
 @pytest.fixture(autouse=True)
 def patience(small_pieces, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 120)
+
+
+def client(address: str) -> "Client":
+    """Return a client of a scheduler; to import what it is of takes as long as all else of this module."""
+    from distributed import Client  # noqa: PLC0415
+
+    return Client(address, timeout=60, set_as_default=False)
 
 
 class Scheduler:
@@ -46,8 +56,8 @@ class Scheduler:
         self.process = start("scheduler", "--host", "127.0.0.1", "--port", str(port))
 
     def workers(self) -> int:
-        with Client(self.address, timeout=60, set_as_default=False) as client:
-            return len(client.nthreads())
+        with client(self.address) as there:
+            return len(there.nthreads())
 
 
 def start(*words: str) -> subprocess.Popen:
@@ -124,8 +134,8 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(unfinishe
     def kill_one(progress: Progress) -> None:
         reported.append(progress)
         if len(reported) == 4:
-            with Client(workers.address, set_as_default=False) as client:
-                pids = client.run(os.getpid)
+            with client(workers.address) as there:
+                pids = there.run(os.getpid)
                 assert len(pids) == 2
                 os.kill(next(iter(pids.values())), signal.SIGKILL)
 
@@ -200,8 +210,8 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(small_study, tmp_path,
     workers.start_alone()
     with cluster.cluster_executor(small_study, 1, workers.address, Limits()) as executor:
         result = executor.submit(CRASHING).result(60)
-        with Client(workers.address, set_as_default=False) as client:
-            assert len(client.nthreads()) == 1
+        with client(workers.address) as there:
+            assert len(there.nthreads()) == 1
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
@@ -226,9 +236,9 @@ def test_a_scheduler_that_is_none_or_has_no_workers(
 def test_waiting_for_one_result_delays_no_other(workers):
     workers.start_alone()
     lost, seen = threading.Event(), threading.Event()
-    with Client(workers.address, timeout=60, set_as_default=False) as client:
-        cluster.when_done(client.submit(sum, [1]), lambda _: lost.wait())
-        cluster.when_done(client.submit(sum, [2]), lambda _: seen.set())
+    with client(workers.address) as there:
+        cluster.when_done(there.submit(sum, [1]), lambda _: lost.wait())
+        cluster.when_done(there.submit(sum, [2]), lambda _: seen.set())
         came = seen.wait(60)
         lost.set()
     assert came

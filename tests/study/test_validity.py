@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from benchmarks.claims.studies import study_coverage
 from benchmarks.claims.validity import CASES, Truth, scores, simulated
-from scipy import stats
 from tests import command, studies
 from tests.studies import PAD, Table, contact, curve, finger, rows_of, summary_of
 
@@ -325,7 +325,7 @@ def test_p_is_uniform_where_two_values_have_one_truth():
     pairs = rng.standard_normal((2000, 2))
     found = [ratio(truth + std * a, std, truth + other_std * b, other_std) for a, b in pairs]
     p_values = [one.p_value for one in found]
-    assert stats.kstest(p_values, "uniform").pvalue > 0.01
+    assert scipy.stats.kstest(p_values, "uniform").pvalue > 0.01
     assert np.mean([one.verdict == HOLDS for one in found]) > 0.94
 
 
@@ -406,4 +406,4 @@ def test_the_shape_is_as_uncertain_as_presses_differ(tmp_path):
     scatter = result.repeatability[False].aspect_ratio_std
     assert shape.value_std / shape.value == pytest.approx(scatter, rel=0.02)
     # Five degrees of freedom.
-    assert shape.p_value == pytest.approx(2 * stats.t.sf(abs(shape.deviations), 5), rel=0.05)
+    assert shape.p_value == pytest.approx(2 * scipy.stats.t.sf(abs(shape.deviations), 5), rel=0.05)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+import scipy
 from numpy.testing import assert_allclose
-from scipy import stats
 from tests.uncertainty.pads import LENGTHS, PAD, PLACED
 
 from fingerpad.uncertainty import (
@@ -34,7 +34,7 @@ def test_chi_square() -> None:
     )["y"]
     assert_allclose(result.value, 3, rtol=0.01)
     assert_allclose(result.std, np.sqrt(6), rtol=0.01)
-    assert_allclose(result.interval, stats.chi2(3).ppf([0.025, 0.975]), rtol=0.015)
+    assert_allclose(result.interval, scipy.stats.chi2(3).ppf([0.025, 0.975]), rtol=0.015)
 
 
 def test_stops_at_wanted_digits() -> None:
@@ -55,7 +55,7 @@ def test_tolerance_matches_repeats() -> None:
     ends = [(*one.value, *one.std, *one["y"].interval) for one in repeats]
     tolerance = np.median([one.tolerance for one in repeats])
     assert 0.7 < tolerance / (2 * np.std(ends, axis=0).max()) < 1.4
-    assert_allclose(np.mean(ends, axis=0)[2:], np.exp(0.3 * stats.norm.ppf([0.025, 0.975])), rtol=1e-4)
+    assert_allclose(np.mean(ends, axis=0)[2:], np.exp(0.3 * scipy.stats.norm.ppf([0.025, 0.975])), rtol=1e-4)
 
 
 LAYER = pad_uncertainty(**{**PAD, "poisson_ratio": (0.47, 0.01)}, thickness=(8.0, 0.8)).inputs
@@ -87,7 +87,7 @@ def test_max_draws_reached_is_reported() -> None:
 
 def test_undefined_draws_are_counted() -> None:
     result = run_monte_carlo(lambda x: {"y": np.sqrt(x)}, Inputs.of(x=(1.0, 1.0)))
-    assert_allclose(result.undefined / (result.draws + result.undefined), stats.norm.cdf(-1), rtol=0.05)
+    assert_allclose(result.undefined / (result.draws + result.undefined), scipy.stats.norm.cdf(-1), rtol=0.05)
     assert np.isfinite(result.std).all()
 
 

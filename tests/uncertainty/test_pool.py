@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 from numpy.testing import assert_allclose
-from scipy import stats
 
 from fingerpad.uncertainty import SharedErrors, pool, pool_random_effects, proportional_stds
 
@@ -62,7 +62,7 @@ def test_shared_errors_equal_matrix(seed: int) -> None:
         one, other = way(values, stds, shared), way(values, stds, matrix)
         assert_allclose(one.total_std, other.total_std, rtol=1e-12)
         assert one.total_std > one.std
-    half = np.hypot(stats.t.ppf(0.975, 6) * one.std, 1.959964 * np.sqrt(one.total_std**2 - one.std**2))
+    half = np.hypot(scipy.stats.t.ppf(0.975, 6) * one.std, 1.959964 * np.sqrt(one.total_std**2 - one.std**2))
     assert_allclose(one.interval, [one.value - half, one.value + half], rtol=1e-7)
     variances = shared.variances(np.eye(7)[2])
     assert variances == pytest.approx(

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+import scipy
 from benchmarks.claims import repeatability
 from numpy.testing import assert_allclose
-from scipy import stats
 
 from fingerpad.uncertainty import agreement, nested_scatter
 from fingerpad.uncertainty.discrepancy import model_discrepancy
@@ -38,7 +38,9 @@ def test_balanced_data_give_the_textbook_mean_squares() -> None:
 
 def test_the_interval_of_repeats_is_exact() -> None:
     repeat = nested_scatter(BALANCED.ravel(), LEVELS).components["repeat"]
-    assert_allclose(repeat.interval, repeat.std * np.sqrt(96 / stats.chi2.ppf([0.975, 0.025], 96)), rtol=1e-9)
+    assert_allclose(
+        repeat.interval, repeat.std * np.sqrt(96 / scipy.stats.chi2.ppf([0.975, 0.025], 96)), rtol=1e-9
+    )
     assert_allclose(repeat.limit_of_agreement, 1.96 * np.sqrt(2) * repeat.std, rtol=1e-4)
 
 
@@ -149,7 +151,7 @@ def test_against_sums_by_hand() -> None:
     assert found.std == pytest.approx(std)
     assert found.bias == pytest.approx(math.expm1(0.01))
     assert found.bias_interval[1] == pytest.approx(math.expm1(0.01 + 3.182446 * std / 2))
-    far = stats.nct.ppf(0.975, 3, 1.959964 * 2) * std / 2  # of an end, by the noncentral t distribution
+    far = scipy.stats.nct.ppf(0.975, 3, 1.959964 * 2) * std / 2  # of an end, by the noncentral t distribution
     assert found.limits_interval == pytest.approx((math.expm1(0.01 - far), math.expm1(0.01 + far)), rel=1e-5)
     assert found.limits == pytest.approx(
         (math.expm1(0.01 - 1.959964 * std), math.expm1(0.01 + 1.959964 * std))
