@@ -49,7 +49,7 @@ class EdgeModel:
 
     # Standard deviation that all of the edge shares.
     shared_std: float = 0.07  # periods; at least
-    small_std: float = 1.2  # periods; over the root of the area in periods: light touch leaves edges bare
+    small_std: float = 1.4  # periods; over the root of the area in periods: light touch leaves edges bare
     beyond_std: float = 2.1  # periods a contrast; by the ridges beyond
     rim_std: float = 0.34  # periods; where a rim covers all ridges
     paleness_std: float = 2.5  # periods a contrast; by how much less than usual the last period has
