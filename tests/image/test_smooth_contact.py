@@ -225,6 +225,26 @@ def test_a_manual_edit_moves_the_outline_and_is_flagged():
     assert edited.gross_area_std > automatic.gross_area_std
 
 
+def test_levels_from_0_to_1_give_the_same_area_under_another_exposure():
+    image, ground = _picture()
+    found = [
+        measure_contact_image(picture, _SCALE, surface="smooth", background=light).gross_area
+        for picture, light in ((image, ground // 2), (image / 255, (ground // 2) / 255))
+    ]
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14, 16])
+def test_a_saturated_ground_is_not_taken_for_cut_out(bits):
+    image, _ = _picture(contrast=-60.0)
+    top = 2**bits - 1
+    brightest = np.where(cv2.medianBlur(image, 7) > 58, 1.0, image / 80)  # but for the contact
+    levels = np.round(cv2.GaussianBlur(brightest, (0, 0), 0.5) * top).astype(np.uint16)
+    found = measure_contact_image(levels, _SCALE, surface="smooth")
+    assert found.gross_area == pytest.approx(_AREA, rel=0.05)
+    assert "touches_border" not in found.flags
+
+
 def test_a_contact_at_the_frame_is_flagged():
     image, ground = _picture()
     found = measure_contact_image(image[100:], _SCALE, surface="smooth", background=ground[100:])
@@ -237,6 +257,9 @@ def test_a_contact_at_the_frame_is_flagged():
         ({"threshold": 20.0}, "tells ridges from valleys"),
         ({"ridge_period": 0.5}, "tells ridges from valleys"),
         ({"seed": (5.0, 5.0)}, "at seed"),
+        ({"seed": 5}, "seed 5 lies outside"),
+        ({"contrast": "a"}, "contrast"),
+        ({"contrast": math.nan}, "contrast must be one number, positive and finite"),
         ({"background": np.ones((20, 20))}, "picture's shape"),
     ],
 )

@@ -11,7 +11,7 @@ from tests.studies import Table, contact, correct, finger, picture, run
 from fingerpad.image.read import read_resolution
 from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.results.table import Row, record_at, records
+from fingerpad.study.results.table import Row, contact_areas, record_at, records
 
 EXACT = {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0, "load_relative_std": 0}
 
@@ -197,3 +197,21 @@ def test_a_modulus_is_plausible_from_1_to_5000_kpa(tmp_path, load, notes):
     assert ("implausible_modulus" in row["range_notes"]) == notes
     assert row["measured_by"] == "manual"
     assert row["indentation_over_thickness"] == pytest.approx(row["indentation_mm"] / 6)
+
+
+def test_an_entered_ellipse_has_the_area_of_both_axes_under_one_scale(tmp_path):
+    alike = contact(std=0.1, scale={"mm_per_px": 0.05, "relative_std": 0.05})
+    result = run(tmp_path, finger(), alike)
+    _, area_std = contact_areas(result.rows)
+    (at_load,) = result.by_load
+    # By load there is the error of the load beside it.
+    of_load = at_load.contact_area_mm2 * 2 / 3 * result.study.uncertainty.load_relative_std
+    expected = (at_load.contact_area_mm2_std**2 - of_load**2) ** 0.5
+    assert area_std.item() == pytest.approx(expected, rel=0.01)
+    assert area_std.item() > 0.1 * at_load.contact_area_mm2
+
+
+@pytest.mark.parametrize(("axis", "noted"), [("across", True), ("along", False)])
+def test_a_contact_is_as_wide_as_the_pad_by_its_axis_across_the_finger(tmp_path, axis, noted):
+    (row,) = records(run(tmp_path, finger(), contact(ellipse=(11.5, 5.0), axis=axis)).rows)
+    assert ("as_wide_as_pad" in (row["range_notes"] or "")) == noted

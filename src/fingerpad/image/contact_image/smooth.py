@@ -32,7 +32,7 @@ _NESTED_HEIGHT: Final = 0.1  # and as high, as a share
 _LARGE_BUBBLE: Final = 0.4  # one the other way is a contact rather than a bubble if so large beside the other
 _LEAST_AROUND_PX: Final = 20
 _AROUND: Final = (1.05, 1.25)  # of the contact's size; the ground lies there
-_CLIPPED: Final = (0, 1, 255, 65535)  # levels that a camera shows without noise
+_CLIPPED: Final = (0, 1, 255, 1023, 4095, 16383, 65535)  # levels that a camera shows without noise
 _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"

@@ -139,8 +139,9 @@ def _signals(
         if light.shape[2] != values.shape[2]:
             values, light = (each.mean(axis=2, keepdims=True) for each in (values, light))
         rim = _rim(inside)
-        gain = np.median((values[rim].mean(axis=1) + 1) / (light[rim].mean(axis=1) + 1))
-        ground = gain * (light + 1) - 1
+        some = min(1.0, float(light.max()) / 100)  # keeps the dark from being divided by; levels may end at 1
+        gain = np.median((values[rim].mean(axis=1) + some) / (light[rim].mean(axis=1) + some))
+        ground = gain * (light + some) - some
     else:
         ground = np.stack([_even_ground(values[..., k], inside) for k in range(values.shape[2])], axis=-1)
     off = values - ground

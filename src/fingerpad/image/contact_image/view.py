@@ -183,14 +183,7 @@ class View:
 
 def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]) -> View:
     """Check a picture and what limits it, find its ridge period, and reduce it so that this is 4.5 px."""
-    given = options.get("ridge_period")
-    levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
-    for name, value in {**levels, "ridge_period": given}.items():
-        if value is not None:
-            number = real_array(value, name, ImageError)
-            if number.ndim or not 1e-15 < number < 1e15:
-                raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
-    part = crop(pixels, **options)
+    given, part = options.get("ridge_period"), crop(pixels, **options)
     low, high, _, _ = cv2.minMaxLoc(part.pixels)
     if not high - low > _MIN_RANGE:
         raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
@@ -213,7 +206,7 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
     contact, noise, contrast, dark = flattened(
         copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast")
     )
-    view = View(
+    return View(
         part=part,
         scale=scale,
         ridge_period=found,
@@ -226,11 +219,6 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         inside=inside,
         period=period_of_copy,
     )
-    if (seed := options.get("seed")) is not None:
-        place = real_array(seed, "seed", ImageError)
-        if place.shape != (2,) or not ((place >= 0) & (place < part.shape)).all():
-            raise ImageError(f"seed {seed} lies outside the picture of {part.shape} pixels")
-    return view
 
 
 def reduced_shape(shape: tuple[int, ...], reduction: float) -> tuple[int, int]:
@@ -245,8 +233,18 @@ def crop(
     """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
+    numbers = {name: options.get(name) for name in ("threshold", "contrast", "ridge_period")}
+    for name, value in numbers.items():
+        if value is not None:
+            number = real_array(value, name, ImageError)
+            if number.ndim or not 1e-15 < number < 1e15:
+                raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
     values = _levels(pixels, "pixels", may_have_colours=may_have_colours)
     shape = (values.shape[0], values.shape[1])
+    if (seed := options.get("seed")) is not None:
+        place = real_array(seed, "seed", ImageError)
+        if place.shape != (2,) or not ((place >= 0) & (place < shape)).all():
+            raise ImageError(f"seed {seed} lies outside the picture of {shape} pixels")
     mask, background = options.get("mask"), options.get("background")
     inside = None if mask is None else _inside(mask, shape)
     region = options.get("region_of_interest")

@@ -302,13 +302,15 @@ def _range_notes(
     """Return the notes that hold for each row, separated by spaces."""
     disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
     least, most = PLAUSIBLE_MODULUS_KPA
+    is_long = row["long_axis"] == COLUMNS["long_axis"].array(["across"])
+    across = np.where(is_long, row["semi_major_mm"], row["semi_minor_mm"])
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
         "curvature_disagrees": _curvature_disagrees(row, pads),
         "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < least) | (row["youngs_modulus_kpa"] > most),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
-        "as_wide_as_pad": row["semi_minor_mm"] > _AS_WIDE * semi_axes[:, 2],
+        "as_wide_as_pad": across > _AS_WIDE * semi_axes[:, 2],
         "layer_out_of_range": np.array([bool(flag) for flag in row["layer_flag"]], dtype=bool),
     }
     kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
