@@ -233,8 +233,8 @@ def crop(
     """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
-    numbers = {name: options.get(name) for name in ("threshold", "contrast", "ridge_period")}
-    for name, value in numbers.items():
+    levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
+    for name, value in {**levels, "ridge_period": options.get("ridge_period")}.items():
         if value is not None:
             number = real_array(value, name, ImageError)
             if number.ndim or not 1e-15 < number < 1e15:
