@@ -302,8 +302,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        f"state the modulus with the load that it holds at; of a curve with areas "
-        f"{GIVE_SEMI_AXES} to fit a layer, which may explain it",
+        f"state the modulus with the load that it holds at; {GIVE_SEMI_AXES} to fit a layer to a curve with "
+        "areas, which may explain it",
     ),
     Flag(
         "modulus_falls_with_load",

@@ -98,7 +98,7 @@ class ContactImageResult(Recorded):
     >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
     >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
     >>> print(f"{contact.ellipse.semi_major:.2f} ± {contact.semi_major_std:.2f} mm")
-    2.96 ± 0.09 mm
+    2.96 ± 0.08 mm
     >>> contact.outline.shape[1], contact.flags
     (2, ())
     """

@@ -116,9 +116,10 @@ def contact_areas(rows: pd.DataFrame) -> "tuple[pd.Series[float], pd.Series[floa
     axes = rows[["semi_major_mm", "semi_minor_mm"]].to_numpy()
     ellipse = pd.Series(np.pi * axes.prod(axis=1), rows.index)
     total, noise = (
-        rows[[f"{axis}_mm{end}" for axis in ("semi_major", "semi_minor")]].to_numpy() / axes
+        rows.reindex(columns=[f"{axis}_mm{end}" for axis in ("semi_major", "semi_minor")]).to_numpy() / axes
         for end in ("_std", "_noise_std")
     )
+    noise = np.where(np.isnan(noise), total, noise)  # a table without all columns does not tell them apart
     shared = np.sqrt(np.maximum(total**2 - noise**2, 0)).sum(axis=1)  # both axes are off alike by their scale
     std = rows["gross_area_mm2_std"].fillna(ellipse * np.sqrt((noise**2).sum(axis=1) + shared**2))
     return rows["gross_area_mm2"].fillna(ellipse), std
