@@ -258,7 +258,8 @@ class Answer:
             # Of no use where loading data contradict the pad without bone more than that.
             pad = next(one for one in hertz.checks if one.check == model_checks.OF_PAD)
             if pad.verdict == hertz.verdict and not math.isnan(pad.reference):
-                theory += f", for the whole pad {_quantity('', pad.reference, pad.reference_std, 'kPa')}"
+                value = _quantity("for the whole pad", pad.reference, pad.reference_std, "kPa")
+                theory += f", {value}"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
         if not math.isnan(self.modulus):
             modulus += f" ({self.modulus_load:.3g} N)"
@@ -310,7 +311,7 @@ def _answer(of: summary_file.PlacementRecord, at_loads: Sequence[summary_file.At
 def _quantity(words: str, value: float, std: float, unit: str) -> str:
     if math.isnan(value):
         return f"{words} unknown"
-    return f"{words} {positive_with_uncertainty(value, std)} {unit}".strip()
+    return f"{words} {positive_with_uncertainty(value, std)} {unit}"
 
 
 def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:

@@ -31,7 +31,7 @@ from fingerpad.study.results.summary_file import (
     ScatterRecord,
     ValidityRecord,
 )
-from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
+from fingerpad.study.results.table import GrowingArray, Indices, contact_areas, groups, items, numbered
 from fingerpad.study.results.validity.checks import HERTZ_EXPONENT, PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
 from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter, pad_model
@@ -419,11 +419,7 @@ def _at_loads(
     area = contact_quantity(rows, "contact_area")
     noise, by_image = area * area_noise(rows), np.isfinite(rows["gross_area_mm2"].to_numpy())
     edge = np.where(by_image, rows["gross_area_mm2_edge_std"].to_numpy(), 0.0)
-    # Without an image the area is known as well as the axes, which share their scale.
-    axis = rows["semi_major_mm"].to_numpy()
-    of_axis = rows["semi_major_mm_std"].to_numpy() ** 2 - rows["semi_major_mm_noise_std"].to_numpy() ** 2
-    scale = 2 * area * np.sqrt(np.maximum(of_axis, 0)) / axis
-    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), np.hypot(noise, scale))
+    total = contact_areas(rows)[1].to_numpy()
     repeats = area * repeatability.area_std
     # The load is in error, and the area is that of another load. The scatter of repeats has what differs.
     load = of.study.uncertainty.load_relative_std * (not repeatability.known)
@@ -486,7 +482,8 @@ _PARTS: Final = ("noise", "repeatability", "edge")
 _COLUMNS: Final = (
     *(*PLACEMENT, "session", "load_N", "scale", *QUANTITY_COLUMNS),
     *("gross_area_mm2_std", "gross_area_mm2_noise_std", "gross_area_mm2_edge_std"),
-    *("semi_major_mm_std", "semi_major_mm_noise_std", "semi_minor_mm_noise_std", "youngs_modulus_kpa_std"),
+    *("semi_major_mm_std", "semi_major_mm_noise_std", "semi_minor_mm_std", "semi_minor_mm_noise_std"),
+    "youngs_modulus_kpa_std",
     *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),
     f"{_ON_LAYER}_kpa",
 )

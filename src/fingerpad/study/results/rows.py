@@ -302,8 +302,7 @@ def _range_notes(
     """Return the notes that hold for each row, separated by spaces."""
     disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
     least, most = PLAUSIBLE_MODULUS_KPA
-    is_long = row["long_axis"] == COLUMNS["long_axis"].array(["across"])
-    across = np.where(is_long, row["semi_major_mm"], row["semi_minor_mm"])
+    across = np.where(row["long_axis"] == "across", row["semi_major_mm"], row["semi_minor_mm"])
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
         "curvature_disagrees": _curvature_disagrees(row, pads),
