@@ -1,6 +1,6 @@
 """Pooled results of several images of one device, which share the place of the contact's edge."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -9,7 +9,8 @@ import numpy as np
 from benchmarks.arrays import Array
 from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
-from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
+from benchmarks.truth import image_sets
+from benchmarks.truth.true_image import TrueImage
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
@@ -26,25 +27,19 @@ TRUE_RADIUS = float(equivalent_radius_from_indentation(_MEAN, ELLIPSE[1] / ELLIP
 
 
 class Measured(NamedTuple):
-    """An independent image: its condition, its truth, and what was measured."""
+    """An independent image, and what was measured in it."""
 
-    condition: str
-    truth: IndependentImage
+    truth: TrueImage
     found: ContactImageResult
 
 
-def measured_images(count: int, seed: int) -> Iterator[Measured]:
-    """Yield ``count`` measured images of each condition."""
-    for name, truth in independent_images(count, seed):
-        yield Measured(name, truth, measure_contact_image(truth.pixels, truth.mm_per_px))
-
-
-def sets_of_one_device(images: Iterable[Measured], size: int) -> Iterator[list[Measured]]:
-    """Yield sets of so many images of one condition, which come one after another."""
-    for _, group in groupby(images, key=lambda one: one.condition):
-        members = list(group)
-        for start in range(0, len(members) - size + 1, size):
-            yield members[start : start + size]
+def sets_of_one_device(count: int, size: int, seed: int) -> Iterator[list[Measured]]:
+    """Yield sets of so many images of one condition, of ``count`` of each."""
+    images = image_sets.images(count, seed, ("independent images",))
+    for _, same in groupby(images, key=lambda one: one[1]):
+        some = [Measured(truth, measure_contact_image(truth.pixels, truth.mm_per_px)) for *_, truth in same]
+        for start in range(0, count - size + 1, size):
+            yield some[start : start + size]
 
 
 def pooled_area_score(some: Sequence[Measured], *, shared: bool) -> float:
@@ -83,7 +78,7 @@ def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> Array:
 
 def report(count: int = 6, size: int = 6, seed: int = 7) -> None:
     """Print how many 95 % intervals of pooled results hold, with the edge as noise and as shared."""
-    sets = list(sets_of_one_device(measured_images(count, seed), size))
+    sets = list(sets_of_one_device(count, size, seed))
     rows = []
     for words, shared in (("noise of each image", False), ("shared by all", True)):
         scores = scores_of(sets, shared=shared)
@@ -91,4 +86,4 @@ def report(count: int = 6, size: int = 6, seed: int = 7) -> None:
         cells = [f"{share(np.abs(z) < 1.96)}, {r:.2f}" for z, r in zip(scores.T, rms, strict=True)]
         rows.append((words, len(sets), *cells))
     head = "place of the edge", "sets", "mean area: held, error over uncertainty", "pooled radius: the same"
-    table(head, rows, f"Sets of {size} images of one device, {len(CONDITIONS)} conditions")
+    table(head, rows, f"Sets of {size} images of one device, {len(sets) // (count // size)} conditions")

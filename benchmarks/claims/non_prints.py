@@ -12,7 +12,7 @@ import skimage.data
 
 from benchmarks.arrays import Array, Pixels, Rng
 from benchmarks.tables import or_none, table
-from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth import image_sets
 from fingerpad.image import Face, Scale, measure_contact_image
 from fingerpad.simulate import render_finger
 
@@ -178,7 +178,7 @@ def report() -> None:
     for number, (kind, draws) in enumerate(KINDS.items()):
         for k, draw in enumerate(draws):
             counts[kind][answer(draw(np.random.default_rng([0, number, k])), Scale.of_ppi(PPI))] += 1
-    for _, image in independent_images(4):
+    for *_, image in image_sets.images(4, 0, ("independent images",)):
         counts["contact images"][answer(image.pixels, Scale(image.mm_per_px))] += 1
     answers = "refused", FLAG, "other flags", "accepted"
     table(

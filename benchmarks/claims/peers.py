@@ -32,8 +32,9 @@ from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
 from benchmarks.cost import best
 from benchmarks.tables import off, or_none, percent, stated, table
+from benchmarks.truth import image_sets
 from benchmarks.truth.hertz import exact_contact, hertz_factors
-from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
+from benchmarks.truth.true_image import TrueImage
 from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.contact import Contact, Tissue, hertz_contact
 from fingerpad.geometry import Paraboloid
@@ -144,7 +145,7 @@ def _ask(peer: str) -> tuple[list[list[float]], float] | None:
 
 def contact_image(count: int) -> None:
     """Print errors of gross area and semi-axes on images of known truth, and the time of an image."""
-    images = [image for _, image in independent_images(count, seed=77)]
+    images = [image for *_, image in image_sets.images(count, 77, ("independent images",))]
     truth = np.array([(image.gross_area, *image.semi_axes) for image in images])
     rows = []
     for name, way in OF_IMAGES.items():
@@ -159,30 +160,32 @@ def contact_image(count: int) -> None:
         none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area))))
         rows.append((name, off(area), worst, percent(rms), f"{1e3 * seconds:.0f} ms", none))
     head = "contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"
-    table(head, rows, f"{len(images)} contact images of independent truth in {len(CONDITIONS)} conditions")
+    table(
+        head, rows, f"{len(images)} contact images of independent truth in {len(images) // count} conditions"
+    )
 
 
-def _by_fingerpad(image: IndependentImage) -> Measured:
+def _by_fingerpad(image: TrueImage) -> Measured:
     if (found := or_none(measure_contact_image, image.pixels, image.mm_per_px)) is None:
         return _NONE
     ellipse = found.ellipse
     return found.gross_area, float(ellipse.semi_major), float(ellipse.semi_minor)
 
 
-def _by_scikit_image(image: IndependentImage) -> Measured:
+def _by_scikit_image(image: TrueImage) -> Measured:
     """Measure as a script does: darker than Otsu's level, valleys closed over 1 mm, the largest region."""
     grey = _dark_on_light(image)
     disk = morphology.disk(round(0.5 / image.mm_per_px))
     return _largest_region(morphology.closing(grey < filters.threshold_otsu(grey), disk), image)
 
 
-def _by_blur(image: IndependentImage) -> Measured:
+def _by_blur(image: TrueImage) -> Measured:
     """Measure as scripts do: blurred over half a ridge period, below Otsu's level, the largest region."""
     grey = cv2.GaussianBlur(_dark_on_light(image), (0, 0), 0.25 / image.mm_per_px)
     return _largest_region(ndimage.binary_fill_holes(grey < filters.threshold_otsu(grey)), image)
 
 
-def _by_imagej(image: IndependentImage) -> Measured:
+def _by_imagej(image: TrueImage) -> Measured:
     """Measure as a macro does: despeckle, IsoData, dilate and erode, fill holes, fit an ellipse."""
     grey = cv2.medianBlur(_dark_on_light(image), 3)
     ridges = (grey < filters.threshold_isodata(grey)).astype(np.uint8)
@@ -191,7 +194,7 @@ def _by_imagej(image: IndependentImage) -> Measured:
     return _largest_region(ndimage.binary_fill_holes(closed), image)
 
 
-def _by_pyfing(image: IndependentImage) -> Measured:
+def _by_pyfing(image: TrueImage) -> Measured:
     """Measure by the gradient-magnitude segmentation of Cappelli (2023)."""
     # which imports keras for networks that this method does without
     sys.modules.setdefault("keras", ModuleType("keras"))
@@ -200,13 +203,13 @@ def _by_pyfing(image: IndependentImage) -> Measured:
     return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)
 
 
-def _dark_on_light(image: IndependentImage) -> Pixels:
+def _dark_on_light(image: TrueImage) -> Pixels:
     depth = np.iinfo(image.pixels.dtype).max
     grey = (image.pixels * (255.0 / depth)).astype(np.uint8)
-    return 255 - grey if image.condition.bright else grey
+    return 255 - grey if np.median(grey) < 128 else grey
 
 
-def _largest_region(mask: Array, image: IndependentImage) -> Measured:
+def _largest_region(mask: Array, image: TrueImage) -> Measured:
     regions = measure.regionprops(measure.label(mask))
     if not regions:
         return _NONE

@@ -126,8 +126,8 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int) -
             seen.append(contact(f"c{load:g}", load, axes, covariance))
         (summary,) = pool_contacts(Rows(study, pads, seen))
         pooled = [each for each in (summary.corrected_radius, summary.compliance_radius) if each]
-        off, stds = np.array([(each.value - truth, each.total_std) for each in pooled]).T
-        return off, stds, np.abs(off) < 1.96 * stds
+        values, stds = np.array([(each.value, each.total_std) for each in pooled]).T
+        return values - truth, stds, np.abs(values - truth) < 1.96 * stds
 
     return _score(one, repeats, 0, 5)
 

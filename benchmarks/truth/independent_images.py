@@ -4,7 +4,6 @@
 contact is seen by a device: a scanner's platen, a camera behind a prism, or ink on paper.
 """
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy import ndimage
 
 from benchmarks.arrays import Array, Range, Rng
 from benchmarks.truth.independent_ridges import Outline, RidgedContact, draw_contact, smooth_noise, stamp
-from benchmarks.truth.true_image import TrueImage, named_rng
+from benchmarks.truth.true_image import TrueImage
 
 SUBPIXEL = 0.0135
 FWHM = 2.3548
@@ -79,38 +78,18 @@ CONDITIONS: dict[str, Condition] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class IndependentImage(TrueImage):
-    """A contact image with its condition.
-
-    Semi-axes are those of the ellipse of equal second moments: if the outline is none, π times both differs
-    from the gross area.
-    """
-
-    condition: Condition
-
-
-def independent_images(
-    count: int, seed: int = 0, conditions: Iterable[str] = CONDITIONS
-) -> Iterator[tuple[str, IndependentImage]]:
-    """Yield ``count`` images of each condition with its name; each depends on seed, name and number only."""
-    for name in conditions:
-        for number in range(count):
-            yield name, render(named_rng(seed, name, number), CONDITIONS[name])
-
-
-def render(rng: Rng, condition: Condition) -> IndependentImage:
+def render(rng: Rng, condition: Condition) -> TrueImage:
     """Return an image of a random contact under a condition.
 
     The contact is drawn from one stream of random numbers and the device from another, so that the truth is
-    the same for every device.
+    the same for every device. Semi-axes are those of the ellipse of equal second moments: if the outline is
+    none, π times both differs from the gross area.
     """
     of_contact, of_device = rng.spawn(2)
     of_skin = ("growth", "width_fade", "shape", "features", "uneven")
     contact = draw_contact(of_contact, **{name: getattr(condition, name) for name in of_skin})
     pixels, (area, _, *axes) = _photograph(of_device, contact, condition), contact.outline.moments()
-    semi_axes = axes[0], axes[1]
-    return IndependentImage(pixels, 25.4 / condition.ppi, area, contact.ridge_area(), semi_axes, condition)
+    return TrueImage(pixels, 25.4 / condition.ppi, area, contact.ridge_area(), (axes[0], axes[1]))
 
 
 def _photograph(rng: Rng, contact: RidgedContact, condition: Condition) -> Array:

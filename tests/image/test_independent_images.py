@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.claims.contact_areas import compare, compared
-from benchmarks.claims.contact_edge import measured_images, scores_of, sets_of_one_device
+from benchmarks.claims.contact_edge import scores_of, sets_of_one_device
 from benchmarks.truth import image_sets
 from benchmarks.truth.independent_ridges import Outline
 from numpy.testing import assert_allclose
@@ -34,13 +34,13 @@ def test_the_intervals_hold_areas_and_semi_axes():
 
 
 @pytest.fixture(scope="module")
-def images():
-    return list(measured_images(count=2, seed=40))
+def pairs():
+    return list(sets_of_one_device(count=2, size=2, seed=40))
 
 
 @pytest.fixture(scope="module")
-def found(images):
-    return [compared(one.truth, one.found) for one in images]
+def found(pairs):
+    return [compared(*one) for pair in pairs for one in pair]
 
 
 @pytest.mark.nightly
@@ -59,9 +59,8 @@ def test_areas_are_as_good_as_their_definition(found):
 
 
 @pytest.mark.nightly
-def test_pooling_does_not_average_the_edge_away(images):
+def test_pooling_does_not_average_the_edge_away(pairs):
     """Pooled areas of two images of one device hold the truth with the edge shared, less as noise."""
-    pairs = list(sets_of_one_device(images, 2))
     assert len(pairs) == 24
     noise, shared = (scores_of(pairs, shared=shared) for shared in (False, True))
     held = np.sum(np.abs(shared) < 1.96, axis=0)

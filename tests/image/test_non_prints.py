@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from benchmarks.claims.contact_areas import population
 from benchmarks.claims.non_prints import FLAG, KINDS, answer, stripes
-from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth import image_sets
 
 from fingerpad.image import Scale
 from fingerpad.simulate import render_contact_image
@@ -22,7 +22,7 @@ def test_pictures_without_ridges_are_refused_or_flagged(kind):
     "name", ["light rim", "300 ppi", "not an ellipse", "breaks, pores and creases", "everything"]
 )
 def test_independent_contact_images_are_not_flagged(name):
-    ((_, image),) = independent_images(1, 3, [name])
+    image = image_sets.draw("independent images", name, 0, 3)
     assert answer(image.pixels, Scale(image.mm_per_px)) != FLAG
 
 

@@ -123,24 +123,24 @@ def _specks(n: int, mm_per_px: float, count: int, rng: Rng) -> Array:
 FACES = ("palmar", "distal", "radial")
 
 
+def _arc(pad: Pad, face: str, angle: Array) -> Array:
+    """Return points (right, up), mm, of the arc of a face, at angles from its widest place."""
+    across = pad.palmar if face == "radial" else pad.radial_ulnar
+    along = pad.palmar if face == "distal" else pad.distal
+    power = 2 / pad.exponent if face == "radial" else 1
+    return np.stack([across * np.cos(angle) ** power, along * np.sin(angle) ** power], axis=1)
+
+
 def silhouette(pad: Pad, face: str, widening: float) -> Array:
     """Return a face's closed outline (right, up), mm: pad and shaft, or the section seen end-on."""
-    shaft = np.linspace(0, 24, 60)
-    p = pad.exponent
-    angle = np.linspace(0, np.pi / 2, 200)
     if face == "distal":
         turn = np.linspace(0, 2 * np.pi, 800)[:-1]
         depth = pad.palmar * np.where(np.cos(turn) > 0, 1, pad.dorsal_ratio)
         return np.stack([pad.radial_ulnar * np.sin(turn), -depth * np.cos(turn)], axis=1)
-    wide = 1 + widening * (shaft[::-1] / 20) ** 2
-    if face == "palmar":
-        x, y, left = pad.radial_ulnar * np.cos(angle), pad.distal * np.sin(angle), 1.0
-    else:
-        x, y = pad.palmar * np.cos(angle) ** (2 / p), pad.distal * np.sin(angle) ** (2 / p)
-        left = pad.dorsal_ratio
-    right_side = np.concatenate([np.stack([x[0] * wide, -shaft[::-1]], axis=1), np.stack([x, y], axis=1)])
-    left_side = right_side[::-1] * [-left, 1]
-    return np.concatenate([right_side, left_side])
+    shaft, arc = np.linspace(0, 24, 60)[::-1], _arc(pad, face, np.linspace(0, np.pi / 2, 200))
+    wide = 1 + widening * (shaft / 20) ** 2
+    right = np.concatenate([np.stack([arc[0, 0] * wide, -shaft], axis=1), arc])
+    return np.concatenate([right, right[::-1] * [-pad.dorsal_ratio if face == "radial" else -1, 1]])
 
 
 def photograph(pad: Pad, face: str, mm_per_px: float, rng: Rng) -> Array:
@@ -172,14 +172,7 @@ def photograph(pad: Pad, face: str, mm_per_px: float, rng: Rng) -> Array:
 
 def outline_points(pad: Pad, face: str, noise_mm: float, scale: float, rng: Rng) -> Array:
     """Return points digitised along the pad's arc of a face, in the manifest's axes, origin anywhere."""
-    p = pad.exponent
-    if face == "radial":
-        angle = np.linspace(0, np.pi / 2, 50)
-        across, along = pad.palmar * np.cos(angle) ** (2 / p), pad.distal * np.sin(angle) ** (2 / p)
-    else:
-        angle = np.linspace(0, np.pi, 80)
-        height = pad.distal if face == "palmar" else pad.palmar
-        across, along = pad.radial_ulnar * np.cos(angle), height * np.sin(angle)
-    points = np.stack([across, along], axis=1)
+    angle = np.linspace(0, np.pi / 2, 50) if face == "radial" else np.linspace(0, np.pi, 80)
+    points = _arc(pad, face, angle)
     points = points + rng.normal(0, noise_mm, points.shape)
     return points * scale + rng.uniform(-3, 3, 2)
