@@ -239,7 +239,7 @@ def test_image_arguments(tmp_path: Path) -> None:
     wanted = measure_contact_image(truth.pixels, scale).as_record()
     for image in (path, str(path), read_image(path)):
         assert measure_contact_image(image, scale.mm_per_px).as_record() == wanted
-    assert prepare_contact_image(truth.pixels, scale.mm_per_px).scale == Scale(scale.mm_per_px)
+    assert prepare_contact_image(truth.pixels, scale.mm_per_px).measure().mm_per_px == scale.mm_per_px
     with pytest.raises(exceptions.ImageError, match="no such file"):
         measure_contact_image(str(tmp_path / "none.png"), scale)
     for wrong, words in ((500, "between .*found 500"), ("500", "numeric, found '500'")):

@@ -14,7 +14,7 @@ from fingerpad.image.contact_image import smooth
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.result import evaluate
-from fingerpad.image.contact_image.smooth_edge import Step, find_steps
+from fingerpad.image.contact_image.smooth import Step, find_steps
 from fingerpad.image.contact_image.view import View
 
 _NEAR = 0.3  # another patch was found: nothing is learned of the edge

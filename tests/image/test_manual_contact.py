@@ -187,3 +187,19 @@ def test_the_edge_and_a_manual_threshold_are_independent():
     expected = edge_alone.covariance + np.outer(low - high, low - high) / 4
     assert prepared.measure().covariance == pytest.approx(expected, rel=1e-9)
     assert prepared.measure().edge_offset_std > edge_alone.edge_offset_std
+
+
+def test_an_equal_offset_of_both_axes_stands_for_the_shared_effect_on_the_area():
+    """What studies subtract for it from the covariance of the axes leaves the other errors of the area."""
+    truth = render_contact_image(semi_major=4.5, semi_minor=2.9, seed=1)
+    found = image.measure_contact_image(truth.pixels, truth.mm_per_px, threshold=90.0)
+    assert found.edge_effect[0] > 1.1 * found.edge_effect[1]
+    relative = 1 / found.values[:2]
+    shared = relative @ found.edge_effect[:2]
+    assert found.edge_offset_std * relative.sum() == pytest.approx(shared, rel=1e-12)
+    own = found.covariance[:2, :2] - found.edge_offset_std**2
+    variances, directions = np.linalg.eigh(own)
+    kept = directions * np.maximum(variances, 0) @ directions.T
+    assert relative @ kept @ relative + shared**2 == pytest.approx(
+        relative @ found.covariance[:2, :2] @ relative, rel=0.01
+    )

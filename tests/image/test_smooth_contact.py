@@ -114,6 +114,15 @@ def test_a_dent_that_a_reflection_draws_in_is_flagged():
     assert beside.gross_area == pytest.approx(_AREA, rel=0.02)
 
 
+@pytest.mark.parametrize("level", [0, 255])
+def test_an_even_border_that_was_added_is_no_contact(level):
+    image, _ = _picture(contrast=-60.0)
+    found = measure_contact_image(np.pad(image, 60, constant_values=level), _SCALE, surface="smooth")
+    assert found.flags == ()
+    assert found.gross_area == pytest.approx(_AREA, rel=0.005)
+    assert found.centroid == pytest.approx(np.add(_CENTRE, 60), abs=0.7)
+
+
 def test_a_cut_out_on_even_ground_is_cut():
     image, _, _ = _uneven(0.04, shift=1.0)
     rows, columns = np.mgrid[:240, :260]

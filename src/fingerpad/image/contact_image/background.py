@@ -56,13 +56,10 @@ def without_added_border(
         # they are at half the size.
         if enough and _is_card(card, _SLACK) and _is_card(_plain_card(card[::2, ::2]), _SLACK / 5):
             card = _plain_card(card)
-            if _is_card(card) and _is_of_one_level(small[~card], width / 8):
+            border = small[~card]
+            if _is_card(card) and np.mean(np.abs(border - np.median(border)) <= width / 8) > _SAME:
                 return cv2.resize(card.view(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
-
-
-def _is_of_one_level(border: Float32Array, width: float) -> bool:
-    return bool(np.mean(np.abs(border - np.median(border)) <= width) > _SAME)
 
 
 def _plain_card(card: BoolArray) -> BoolArray:

@@ -31,7 +31,7 @@ _LITTLE: Final = 25.5  # amounts of ridge, of 255, are taken for no less
 _ACROSS: Final = np.linspace(0.042, 0.958, 4)[:, None]  # of a band's width; samples, as far apart as six
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
-MANUAL: Final = math.sqrt(1 / 12 / 2)
+_MANUAL: Final = math.sqrt(1 / 12 / 2)
 _DRAWN_ALIKE: Final = 2.75  # ridge periods; the other half is the same over this length
 
 
@@ -105,8 +105,9 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if view.resolved and ridges.threshold is None:
         signs, lack = fade_signs(edge, view.contact, ridges.amount, region.patch)
-        differs = EDGE.lack_std * lack * edge.period
-        edge = replace(edge, signs=signs, differs=differs, fade=_fade(signs) * edge.period)
+        shift = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
+        fade = (EDGE.sharp + float(shift)) * edge.period
+        edge = replace(edge, signs=signs, differs=EDGE.lack_std * lack * edge.period, fade=fade)
     if edge.fade > _MOST_FADE * edge.period:
         raise ImageError(_NO_EDGE)
     # The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
@@ -132,7 +133,7 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(ridges.closed, grown)), (3, 3), 0))
     for _ in range(2):
-        value, inner, outer = _profiles(field, points, normals, (0.0, -0.7, 0.7))
+        value, inner, outer = profiles(field, points, normals, (0.0, -0.7, 0.7))
         slope = (inner - outer) / 1.4
         off = ((value - _HALF_LEVEL) / np.maximum(slope, 10.0)).clip(-1, 1)
         points = points + normals * off[:, None]
@@ -187,12 +188,6 @@ def fade_signs(
     return signs, np.asarray((rim.mean() - rim) / contrast, dtype=np.float64)
 
 
-def _fade(signs: FadeSigns) -> float:
-    """Return how far the edge of a fading contact lies beyond its outline, periods."""
-    shift = sum(getattr(EDGE, f"by_{name}") * value for name, value in telling(signs).items())
-    return EDGE.sharp + float(shift)
-
-
 def telling(signs: FadeSigns) -> dict[str, float]:
     """Return what of each sign tells how far the edge lies beyond its outline; `EDGE` says by how much.
 
@@ -222,7 +217,7 @@ def _across(field: Float32Array, edge: Edge, *bands: Band) -> Float32Array:
     """Return the levels in bands along an outline, (bands, across, along)."""
     low, high = np.array(bands).T
     distances = low + _ACROSS * (high - low)
-    levels = _profiles(field, edge.points, edge.normals, distances.T.ravel() * edge.period)
+    levels = profiles(field, edge.points, edge.normals, distances.T.ravel() * edge.period)
     return levels.reshape(len(bands), len(_ACROSS), -1)
 
 
@@ -284,13 +279,18 @@ def smooth_normals(points: FloatArray, period: float) -> FloatArray:
     return outward_normals(running_mean(points, round(period)), 2)
 
 
-def _profiles(
-    field: Float32Array, points: FloatArray, normals: FloatArray, distances: npt.ArrayLike
+def profiles(
+    field: Float32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    distances: npt.ArrayLike,
+    beyond: float = 0.0,
 ) -> Float32Array:
-    """Return the levels at distances outward of each point, (distances, points); zero outside the field."""
+    """Return levels at distances outward of each point, (distances, points), and beyond the field a value."""
     out = as_float32(distances)[:, None]
     x, y = (as_float32(points[:, k]) + out * as_float32(normals[:, k]) for k in (0, 1))
-    return as_float32(cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT))
+    levels = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
+    return as_float32(levels)
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
@@ -327,13 +327,11 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     An edge that fades does so unevenly, as the contrast inside shows. Where it was drawn manually, the error
     of drawing replaces these; half of its variance is shared by all that was drawn.
     """
-    seen, drawn = edge.steps * ~edge.manual, edge.steps * edge.manual * MANUAL * edge.period
+    seen, drawn = edge.steps * ~edge.manual, edge.steps * edge.manual * _MANUAL * edge.period
     noise = _spread_noise(weights, seen * edge.varying_std, EDGE.alike * len(weights))
-    shared = weights.T @ (seen * edge.differs)
-    noise += np.outer(shared, shared)
-    if edge.manual.any():
-        shared = weights.T @ drawn
-        noise += _spread_noise(weights, drawn, _DRAWN_ALIKE * edge.period) + np.outer(shared, shared)
+    noise += _spread_noise(weights, drawn, _DRAWN_ALIKE * edge.period)
+    for shared in (weights.T @ (seen * edge.differs), weights.T @ drawn):
+        noise += np.outer(shared, shared)
     return noise
 
 

@@ -35,7 +35,7 @@ from fingerpad.image.contact_image.smooth import find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.read import ImageLike, levels_of
-from fingerpad.image.scale import Scale, ScaleLike, as_scale
+from fingerpad.image.scale import ScaleLike, as_scale
 
 _NO_CONTRAST: Final = 2.5  # contrast over noise below which no contact is detectable
 _THRESHOLD_STD: Final = 0.2  # relative standard uncertainty of a threshold that a person chose
@@ -108,7 +108,6 @@ def measure_contact_image(
 class PreparedContactImage(Displayed):
     """A contact image with its ridges found, to be measured with several corrections."""
 
-    scale: Scale
     reason: str | None  # why no contact was found automatically; a manual outline can still be given
     _view: View
     _ridges: Ridges | None
@@ -181,7 +180,7 @@ def prepare_contact_image(
         raise ImageError(f"surface must be ridged or smooth, found {surface!r:.100}")
     if surface == "smooth":
         view, found, reason = find_smooth(pixels, as_scale(scale), **options)
-        return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=None, _found=found)
+        return PreparedContactImage(reason=reason, _view=view, _ridges=None, _found=found)
     scale, seed, threshold = as_scale(scale), options.get("seed"), options.get("threshold")
     view = view_of(pixels, scale, **options)
     if threshold is not None:
@@ -219,7 +218,7 @@ def _prepared(view: View, threshold: float | None, seed: tuple[float, float] | N
             found = region, trace_edge(view, ridges, region)
         except ImageError as error:
             reason = str(error)
-    return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
+    return PreparedContactImage(reason=reason, _view=view, _ridges=ridges, _found=found)
 
 
 def _without_smears(view: View, ridges: Ridges, region: Region, seed: tuple[float, float] | None) -> Region:
@@ -227,8 +226,8 @@ def _without_smears(view: View, ridges: Ridges, region: Region, seed: tuple[floa
 
     What lies beside a contact bulges out of its outline; a smudge within leaves a gap in that of the ridges.
     """
-    smeared = ridges.share_below(CLEAR_RISE * view.contrast, region.patch)
-    if smeared < _SMEARED or region.roundness > _ROUND:
+    _, rise = ridges.within(region.patch)
+    if np.mean(rise < CLEAR_RISE * view.contrast) < _SMEARED or region.roundness > _ROUND:
         return region
     with suppress(ImageError):
         # A place is ridge above half of the rise: what rises by less than `CLEAR_RISE` does not get there.

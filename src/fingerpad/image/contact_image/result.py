@@ -15,6 +15,7 @@ from fingerpad._display import Recorded
 from fingerpad.flags import FLAGS
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import UInt8, centres_inside
+from fingerpad.image.contact_image.background import quantile
 from fingerpad.image.contact_image.calibration import RIDGE_AREA
 from fingerpad.image.contact_image.edge import Edge, axis_weights, flattest, outline_noise, running_mean
 from fingerpad.image.contact_image.region import Region
@@ -177,8 +178,11 @@ class ContactImageResult(Recorded):
 
     @property
     def edge_offset_std(self) -> float:
-        """Standard uncertainty of the edge's place, mm: of an offset of both semi-axes."""
-        return float(self.edge_effect[0])
+        """Standard uncertainty of the edge's place, mm: of an equal offset of both semi-axes.
+
+        After a manual threshold the effects on them differ; the offset changes the ellipse's area as they do.
+        """
+        return float(np.average(self.edge_effect[:2], weights=self.values[1::-1]))
 
     @property
     def semi_major_std(self) -> float:
@@ -252,7 +256,7 @@ def evaluate(
         known = ridge_area - unknown / 2
         area_variance = unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
         border = fine.border() * mm_per_px if view.resolved else math.nan
-        threshold = ridges.median_level(region.patch)
+        threshold = quantile(ridges.within(region.patch)[0], 0.5)
         # One without ridges follows its edge so well that a flat side looks cut.
         doubts["straight_side"] = not edited and flattest(edge.points, _PIECE) < _STRAIGHT
         doubts |= _doubts_of_ridges(view, edge, fine, merged=ridge_area > _MANY_RIDGES * moments.area)
@@ -287,9 +291,7 @@ def evaluate(
 
 
 def _doubts_of_ridges(view: View, edge: Edge, ridges: RidgeMap, *, merged: bool) -> dict[str, bool]:
-    """Return which of the flags that concern ridges a contact has."""
-    mm_per_px = view.scale.mm_per_px
-    low, high = PLAUSIBLE_RIDGE_PERIOD_MM
+    mm_per_px, (low, high) = view.scale.mm_per_px, PLAUSIBLE_RIDGE_PERIOD_MM
     return {
         "low_contrast": view.contrast < LOW_CONTRAST * view.noise,
         "scale_doubtful": not low <= view.ridge_period * mm_per_px <= high,

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import UInt8, disk, filled_polygon
-from fingerpad.image.contact_image.background import block_means, enlarge, quantile
+from fingerpad.image.contact_image.background import block_means, enlarge
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
 from fingerpad.image.contact_image.view import View
 
@@ -45,20 +45,12 @@ class Ridges:
     rise: Float32Array  # from valley to ridge, there
     threshold: float | None  # that level where the caller gives it
 
-    def median_level(self, patch: BoolArray) -> float:
-        """Return the median level in a patch; it varies slowly, and some hundred places show it."""
-        return quantile(_in_patch(self.level, patch), 0.5)
-
-    def share_below(self, rise: float, patch: BoolArray) -> float:
-        """Return the share of a patch in which ridges rise by less."""
-        return float(np.mean(_in_patch(self.rise, patch) < rise))
-
-
-def _in_patch(values: Float32Array, patch: BoolArray) -> Float32Array:
-    """Return the values of places in a patch, or all of them where none is."""
-    size = values.shape[::-1]
-    inside = cv2.resize(patch.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-    return values[inside] if inside.any() else values.ravel()
+    def within(self, patch: BoolArray) -> tuple[Float32Array, Float32Array]:
+        """Return level and rise at the places in a patch, at all of them where none is."""
+        size = self.level.shape[::-1]
+        inside = cv2.resize(patch.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+        chosen = inside if inside.any() else np.s_[:]
+        return self.level[chosen].ravel(), self.rise[chosen].ravel()
 
 
 def find_ridges(view: View, threshold: float | None, least_rise: float = LEAST_RISE) -> Ridges:
@@ -282,10 +274,8 @@ def _grain(off: Float32Array, amount: Float32Array) -> float:
 
 def _change_with_level(amount: Float32Array, level: float) -> float:
     """Return how many pixels fewer would be ridge for each unit of their level."""
-    between = np.count_nonzero(
-        (amount > level - RIDGE_LEVEL.near_half) & (amount <= level + RIDGE_LEVEL.near_half)
-    )
-    return between / (2 * RIDGE_LEVEL.near_half)
+    near = RIDGE_LEVEL.near_half
+    return np.count_nonzero((amount > level - near) & (amount <= level + near)) / (2 * near)
 
 
 def _blur_shift(amount: Float32Array) -> float:
@@ -303,18 +293,6 @@ def _mean_along_ridges(box: Float32Array, few: Float32Array, period: float, ever
 
     They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
     """
-    row, column = (np.arange(n, dtype=np.float32) * every for n in few.shape)
-    right, down = _steps_along_ridges(few, period, every)
-    total = few.copy()
-    for move in (np.add, np.subtract):  # one way, then the other
-        x, y = move(column, right), move(row[:, None], down)
-        total += cv2.remap(box, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    total /= 3
-    return total
-
-
-def _steps_along_ridges(few: Float32Array, period: float, every: int) -> tuple[Float32Array, Float32Array]:
-    """Return how far rightward and downward the next sample along the ridges lies from each place, px."""
     x, y = cv2.Sobel(few, cv2.CV_32F, 1, 0, ksize=5), cv2.Sobel(few, cv2.CV_32F, 0, 1, ksize=5)
     cos2, sin2 = (_blurred(each, RIDGE_LEVEL.direction * period) for each in (y * y - x * x, -2 * x * y))
     # The direction is half that of (cos2, sin2). Of both formulas, the one without a difference is exact.
@@ -322,11 +300,18 @@ def _steps_along_ridges(few: Float32Array, period: float, every: int) -> tuple[F
     longer = length + np.abs(cos2)
     more = np.sqrt(longer / length) * np.float32(RIDGE_LEVEL.sample * period * every / math.sqrt(2))
     less, flat = sin2 / longer * more, cos2 >= 0
+    # How far rightward and downward the next sample lies, px.
     right, down = (
         enlarge(as_float32(each), _HALF_SIZE, few.shape, cv2.INTER_NEAREST)
         for each in (np.where(flat, more, less), np.where(flat, less, more))
     )
-    return right, down
+    row, column = (np.arange(n, dtype=np.float32) * every for n in few.shape)
+    total = few.copy()
+    for move in (np.add, np.subtract):  # one way, then the other
+        x, y = move(column, right), move(row[:, None], down)
+        total += cv2.remap(box, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    total /= 3
+    return total
 
 
 def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
