@@ -20,17 +20,17 @@ from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FitError
 from fingerpad.image import PhotographFit
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph import face_arc, shape
+from fingerpad.image.photograph import result, shape
+from fingerpad.image.photograph.arc import FaceArc
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
-from fingerpad.image.photograph.face_arc import FaceArc
 from fingerpad.image.photograph.manual import _arc
 
 _WEDGES_DEG = (15.0, 30.0, 45.0, 60.0)
 # Errors count no more than this, nor less where a radius is not seen.
 _MOST, _UNSEEN = 0.5, 0.3
 
-_fitted = lru_cache(maxsize=None)(face_arc._fitted)
-_shapes_averaged = lru_cache(maxsize=None)(face_arc._average_over_shapes)
+_fitted = lru_cache(maxsize=None)(result._fitted)
+_shapes_averaged = lru_cache(maxsize=None)(shape.average_over_shapes)
 
 
 # The arc of a face, and its true semi-axes, mm.
@@ -62,7 +62,7 @@ def faces(count: int, seed: int) -> tuple[SeenFace, ...]:
     for arc, true in _arcs(count, seed):
         try:
             _fitted(arc)
-            face_arc.face_from_arc(arc)
+            result.face_from_arc(arc)
         except FitError:
             continue
         seen.append((arc, true))
@@ -72,10 +72,10 @@ def faces(count: int, seed: int) -> tuple[SeenFace, ...]:
 def _compared(seen: Sequence[SeenFace], name: str, model: Any, *modules: ModuleType) -> Compared:
     """Fit semi-axes from each arc with another model in place of the one that the modules call so."""
     with ExitStack() as stack:
-        stack.enter_context(patch.object(face_arc, "_fitted", _fitted))
+        stack.enter_context(patch.object(result, "_fitted", _fitted))
         for module in modules:
             stack.enter_context(patch.object(module, name, model))
-        found = [face_arc.face_from_arc(arc) for arc, _ in seen]
+        found = [result.face_from_arc(arc) for arc, _ in seen]
     true = np.stack([semi_axes for _, semi_axes in seen])
     errors = np.stack([one.semi_axes for one in found]) / true - 1
     stds = np.sqrt([np.diagonal(one.edge_covariance) for one in found]) / true
@@ -84,13 +84,13 @@ def _compared(seen: Sequence[SeenFace], name: str, model: Any, *modules: ModuleT
 
 def compare_shapes(model: Any, seen: Sequence[SeenFace]) -> Compared:
     """Average over ellipse and superellipse under other numbers."""
-    return _compared(seen, "DOUBT", model, face_arc, shape)
+    return _compared(seen, "DOUBT", model, result, shape)
 
 
 def compare_lengths(model: Any, seen: Sequence[SeenFace]) -> Compared:
     """Compare lengths with ellipses under other numbers; the average over shapes stays."""
-    with patch.object(face_arc, "_average_over_shapes", _shapes_averaged):
-        return _compared(seen, "LENGTHS", model, face_arc, shape)
+    with patch.object(shape, "average_over_shapes", _shapes_averaged):
+        return _compared(seen, "LENGTHS", model, result, shape)
 
 
 # A side face, the angle of its normal, radians, and the true radius there, mm.

@@ -10,12 +10,13 @@ from benchmarks.truth.fingertips import photograph_outline, superellipse
 
 from fingerpad.exceptions import GeometryError
 from fingerpad.image import Scale, measure_photograph
-from fingerpad.image.photograph.arc import fit_arc_ellipse
+from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.photograph.arc import FaceArc, fit_arc_ellipse, outline_points
 from fingerpad.image.photograph.calibration import LENGTHS
-from fingerpad.image.photograph.face_arc import face_from_arc
+from fingerpad.image.photograph.result import face_from_arc
 from fingerpad.image.photograph.shape import (
     average_over_shapes,
-    contradicted_by_lengths,
+    contradicted,
     is_significant,
     radius_of_outline,
 )
@@ -36,10 +37,17 @@ def arc_of(shape, half_deg, seed=0, noise_px=0.15):
     return points + np.random.default_rng(seed).normal(0, noise_px, points.shape)
 
 
-def compared(points, half_width=math.nan):
+def face_arc(points, face, tilt=TILT):
+    """Return all points as the arc of a face; that of a side face is compared without its width."""
+    frame, start = (np.eye(2), np.zeros(2)), np.array([0.0, 0.0, ACROSS, ALONG, 0.0])
+    return FaceArc(
+        face=face, points=outline_points(points), scale=Scale(0.05), frame=frame, tilt=tilt, start=start
+    )
+
+
+def compared(points):
     fit = fit_arc_ellipse(points, TILT)
-    known = {"tilt": TILT, "half_width": half_width}
-    return fit, average_over_shapes(points, fit.ellipse, fit.covariance[2:4, 2:4], **known)
+    return fit, average_over_shapes(face_arc(points, "radial"), fit)
 
 
 def found(shape, half_deg, seed=0):
@@ -83,7 +91,7 @@ def test_a_tip_fuller_on_one_side_needs_two_exponents():
 def test_few_points_tell_nothing():
     points = arc_of((1.7, 1.7), 75)
     fit, _ = compared(points)
-    few = average_over_shapes(points[:60], fit.ellipse, fit.covariance[2:4, 2:4], tilt=(0.0, 1.0))
+    few = average_over_shapes(face_arc(points[:60], "radial", (0.0, 1.0)), fit)
     assert few.weight == 0
     assert math.isnan(few.exponent)
 
@@ -142,7 +150,7 @@ def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
 
 def length_stds(points, face, semi_axes=(ACROSS, ALONG)):
     """Return what an outline's lengths add to semi-axes, relatively, and whether it is no ellipse then."""
-    more = contradicted_by_lengths(face, points, np.array(semi_axes), pad=points, tilt_std=0.001)
+    more, _ = contradicted(face_arc(points, face), PlaneEllipse(0.0, 0.0, *semi_axes), 0.001, 1.0)
     return LENGTHS.added * more, bool((more > LENGTHS.no_ellipse).any())
 
 

@@ -65,7 +65,12 @@ def checked_picture(
     """Return a grey picture, or with `colour` either kind, as an array of any real type."""
     array = picture_array(value, name, error)
     if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] in {3, 4})):
-        raise error(_wrong_shape(array, name, colour=colour))
+        way_out = ""
+        if array.ndim == 3 and not colour:
+            of_colours = "of a colour picture give the file, one channel, or the mean, pixels.mean(axis=-1)"
+            way_out = f": {of_colours if array.shape[-1] in {3, 4} else 'one picture at a time'}"
+        wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
+        raise error(f"{name} must be {wanted}, found shape {array.shape}{way_out}")
     if array.dtype.kind not in "buif":
         raise error(f"{name} must hold grey levels or colours, found {array.dtype}: read it as either")
     return array
@@ -86,16 +91,6 @@ def check_finite(levels: npt.NDArray[Any], name: object, error: type[FingerpadEr
     if levels.dtype.kind == "f" and not np.isfinite(levels).all():
         bad = np.count_nonzero(~np.isfinite(levels))
         raise error(f"{name}: {bad} levels are NaN or infinite: fill them before measuring")
-
-
-def _wrong_shape(array: npt.NDArray[Any], name: str, *, colour: bool = False) -> str:
-    """Say that an array is no grey picture, or with `colour` no picture, and what to give in its place."""
-    wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
-    way_out = ""
-    if array.ndim == 3 and not colour:
-        of_colours = "of a colour picture give the file, one channel, or the mean, pixels.mean(axis=-1)"
-        way_out = f": {of_colours if array.shape[-1] in {3, 4} else 'one picture at a time'}"
-    return f"{name} must be {wanted}, found shape {array.shape}{way_out}"
 
 
 def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:

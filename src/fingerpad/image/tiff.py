@@ -46,7 +46,14 @@ _BUFFER: Final = 2**24
 
 def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixels:
     """Return the levels of a page, a `tifffile.TiffPage`, upright, (rows, columns) or (rows, columns, 3)."""
-    _check_memory(path, page, memory_limit)
+    # Tiles may be larger than their picture.
+    columns, rows = page.imagewidth, page.imagelength
+    sample_bytes = -(-int(np.max(page.bitspersample)) // 8)
+    for size in ((columns, rows), (max(columns, page.tilewidth), max(rows, page.tilelength))):
+        check_memory(path, size, memory_limit, channels=page.samplesperpixel, sample_bytes=sample_bytes)
+    packed = max(page.databytecounts, default=0)
+    if packed > memory_limit:
+        raise ImageError(f"a strip or tile of {packed / 1e9:.2g} GB: the file is damaged, copy it again")
     photometric = int(page.tags.valueof("PhotometricInterpretation", default=PHOTOMETRIC.MINISBLACK))
     _check_kind(page, photometric)
     if page.compression in _BY_PILLOW or photometric not in _PLAIN:
@@ -68,17 +75,6 @@ def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixe
     samples = stored[0] if len(stored) == 1 else np.moveaxis(stored[..., 0], 0, -1)
     levels = _levels(samples, page, photometric)
     return apply_orientation(levels, page.tags.valueof("Orientation", default=1))
-
-
-def _check_memory(path: Path, page: Any, memory_limit: int) -> None:
-    """Refuse what is too large, be it a picture, tiles larger than their picture, or what is packed."""
-    columns, rows = page.imagewidth, page.imagelength
-    sample_bytes = -(-int(np.max(page.bitspersample)) // 8)
-    for size in ((columns, rows), (max(columns, page.tilewidth), max(rows, page.tilelength))):
-        check_memory(path, size, memory_limit, channels=page.samplesperpixel, sample_bytes=sample_bytes)
-    packed = max(page.databytecounts, default=0)
-    if packed > memory_limit:
-        raise ImageError(f"a strip or tile of {packed / 1e9:.2g} GB: the file is damaged, copy it again")
 
 
 def _check_kind(page: Any, photometric: int) -> None:

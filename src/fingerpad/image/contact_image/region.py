@@ -154,40 +154,34 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -
 def _neck(patch: BoolArray, period: float) -> npt.NDArray[np.int32] | None:
     """Return the ends (x, y) of the best cut across a neck, None where there is none."""
     contour = longest_contour(patch)
-    notches, depths = _notches(contour, _MIN_NOTCH * period)
-    points = contour.reshape(-1, 2).astype(np.float64)
-    ratios = {
-        (start, end): _narrowness(points, start, end)
-        for start, depth in zip(notches.tolist(), depths.tolist(), strict=True)
-        for end in _opposite(points, start, notches, depth, period)
+    hull = np.sort(cv2.convexHull(contour, returnPoints=False).ravel())
+    defects = cv2.convexityDefects(contour, hull) if len(hull) > 3 else None
+    if defects is None:
+        return None
+    # The deepest point under each side of the hull, and its depth in 1/256 px.
+    _, _, deepest, depths = defects.reshape(-1, 4).T
+    notches = {
+        start: depth / 256 / period
+        for start, depth in zip(deepest.tolist(), depths.tolist(), strict=True)
+        if depth / 256 > _MIN_NOTCH * period
     }
+    points = contour.reshape(-1, 2).astype(np.float64)
+    ratios = {}
+    for start, depth in notches.items():
+        ends = [end for end in notches if end != start]
+        ends += [_far_side(points, start)] if depth > _DEEP_NOTCH else []
+        ratios |= {(start, end): _narrowness(points, start, end) for end in ends}
     best = min(ratios, key=lambda ends: ratios[ends], default=None)
     return None if best is None or ratios[best] >= _NECK_RATIO else contour[list(best)]
 
 
-def _notches(contour: npt.NDArray[np.int32], least_depth: float) -> tuple[npt.NDArray[np.intp], FloatArray]:
-    """Return the deepest point under each side of the convex hull, and its depth, where deep enough."""
-    hull = np.sort(cv2.convexHull(contour, returnPoints=False).ravel())
-    defects = cv2.convexityDefects(contour, hull) if len(hull) > 3 else None
-    if defects is None:
-        return np.empty(0, dtype=np.intp), np.empty(0)
-    _, _, deepest, depths = defects.reshape(-1, 4).T
-    deep = depths / 256 > least_depth
-    return deepest[deep].astype(np.intp), depths[deep] / 256
-
-
-def _opposite(
-    points: FloatArray, start: int, notches: npt.NDArray[np.intp], depth: float, period: float
-) -> list[int]:
-    """Return the ends that a cut from a notch may have: other notches, or for a deep one the far side."""
-    ends: list[int] = notches[notches != start].tolist()
+def _far_side(points: FloatArray, start: int) -> int:
+    """Return the nearest point of a closed outline that is a sixth of it away or more."""
     count = len(points)
-    if depth > _DEEP_NOTCH * period:
-        away = np.abs((np.arange(count) - start + count // 2) % count - count // 2)
-        distance = np.linalg.norm(points - points[start], axis=1)
-        distance[away < count // 6] = np.inf
-        ends.append(int(distance.argmin()))
-    return ends
+    away = np.abs((np.arange(count) - start + count // 2) % count - count // 2)
+    distance = np.linalg.norm(points - points[start], axis=1)
+    distance[away < count // 6] = np.inf
+    return int(distance.argmin())
 
 
 def _narrowness(points: FloatArray, start: int, end: int) -> float:

@@ -212,7 +212,10 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         amount = as_float32((means - valley) / rise)
         within = amount.take(places)
         grain = _grain((sign * few - means).take(places) / rise.take(places), within)
-        level += RIDGE_LEVEL.filled + _blur_shift(within)
+        # Blur lowers the crest of ridges narrower than half a period, and raises the floor of narrow valleys.
+        off = 0.5 - np.count_nonzero(within > 0.5) / max(within.size, 1)
+        change = _change_with_level(within, 0.5) / max(within.size, 1)
+        level += RIDGE_LEVEL.filled + RIDGE_LEVEL.by_blur * (off + RIDGE_LEVEL.cubic * off**3) * change
         level -= RIDGE_LEVEL.by_grain * max(0.0, grain - RIDGE_LEVEL.usual_grain)
     above = as_float32(amount - np.float32(level))
     ridges = (above > 0) & inside
@@ -276,16 +279,6 @@ def _change_with_level(amount: Float32Array, level: float) -> float:
     """Return how many pixels fewer would be ridge for each unit of their level."""
     near = RIDGE_LEVEL.near_half
     return np.count_nonzero((amount > level - near) & (amount <= level + near)) / (2 * near)
-
-
-def _blur_shift(amount: Float32Array) -> float:
-    """Return how far the level at the border of blurred ridges lies above half.
-
-    Blur lowers the crest of ridges narrower than half a period, and raises the floor of narrow valleys.
-    """
-    pixels = max(amount.size, 1)
-    off = 0.5 - np.count_nonzero(amount > 0.5) / pixels
-    return RIDGE_LEVEL.by_blur * (off + RIDGE_LEVEL.cubic * off**3) * _change_with_level(amount, 0.5) / pixels
 
 
 def _mean_along_ridges(box: Float32Array, few: Float32Array, period: float, every: int) -> Float32Array:

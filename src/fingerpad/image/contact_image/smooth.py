@@ -15,6 +15,7 @@ from typing import Final, Unpack
 import cv2
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter1d
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, robust_std
@@ -537,7 +538,13 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     between = np.abs(across - place - second / 2) <= second / 4
     if between.sum() > 2:  # the contact ends half-way to the level between two edges
         outer = between
-    high, low = (_running_median(_nanmedian(levels[:, band], axis=1)) for band in (inner, outer))
+    # Medians over nine neighbours along the outline.
+    high, low = (
+        _nanmedian(
+            sliding_window_view(np.pad(_nanmedian(levels[:, band], axis=1), 4, mode="wrap"), 9), axis=1
+        )
+        for band in (inner, outer)
+    )
     # Along each profile only.
     blur = max(0.5, 0.25 * width / spacing)
     blurred = as_float32(cv2.GaussianBlur(as_float32(np.nan_to_num(levels)), (0, 0), blur, sigmaY=1e-3))
@@ -616,12 +623,6 @@ def _ground_spread(step: Step, signal: Float32Array, inside: BoolArray) -> float
     if len(ground) < 20:
         return 0.0
     return float(np.subtract(*np.percentile(ground, (84, 16)))) / 2
-
-
-def _running_median(values: FloatArray) -> FloatArray:
-    """Return medians over nine neighbours along a closed outline."""
-    around = np.concatenate([values[-4:], values, values[:4]])
-    return _nanmedian(np.lib.stride_tricks.sliding_window_view(around, 9), axis=1)
 
 
 def _nanmedian(values: npt.NDArray[np.floating], axis: int) -> FloatArray:

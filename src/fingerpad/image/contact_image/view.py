@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal, NamedTuple, TypeAlias, TypedDict, Unpack
+from typing import Final, Literal, NamedTuple, TypeAlias, TypedDict, Unpack
 
 import cv2
 import numpy as np
@@ -12,12 +12,11 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, a
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import bounding_box, disk, filled_polygon, region_window
 from fingerpad.image.contact_image.background import flattened, without_added_border
-from fingerpad.image.contact_image.spectra import ridge_period_px
+from fingerpad.image.contact_image.spectra import Pixels, ridge_period_px
 from fingerpad.image.levels import check_finite, checked_picture, picture_array
 from fingerpad.image.scale import Scale
 
 Surface: TypeAlias = Literal["ridged", "smooth"]
-Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 _COPY_PERIOD_PX: Final = 4.5  # pixels of the copy to a ridge period
 _USUAL_PERIOD_MM: Final = 0.45  # of the ridges of fingers, where neither the picture nor the caller tells
@@ -201,7 +200,11 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
     if part.inside is not None:
         share = cv2.resize(part.inside.astype(np.float32), shape[::-1], interpolation=cv2.INTER_AREA)
         inside = share > 0.5
-    copy = as_float32(_reduced(part.pixels, shape))
+    # Area means keep the place of an edge in their grey levels, and over whole numbers of pixels take a small
+    # part of the time: linear interpolation first brings the picture to a multiple of the copy near its size.
+    whole = math.ceil(rows / shape[0] - 0.25)
+    multiple = cv2.resize(part.pixels, (shape[1] * whole, shape[0] * whole), interpolation=cv2.INTER_LINEAR)
+    copy = as_float32(cv2.resize(multiple, shape[::-1], interpolation=cv2.INTER_AREA))
     period_of_copy = period / float(np.sqrt(rows / shape[0] * (columns / shape[1])))
     contact, noise, contrast, dark = flattened(
         copy, inside, period_of_copy, options.get("dark_on_light"), options.get("contrast")
@@ -233,9 +236,8 @@ def crop(
     """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
-    levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
-    for name, value in {**levels, "ridge_period": options.get("ridge_period")}.items():
-        if value is not None:
+    for name in ("threshold", "contrast", "ridge_period"):
+        if (value := options.get(name)) is not None:
             number = real_array(value, name, ImageError)
             if number.ndim or not 1e-15 < number < 1e15:
                 raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
@@ -322,15 +324,3 @@ def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, s
         start = max(whole.start, hit.start - max(0, _MIN_SIDE_PX - (hit.stop - hit.start)))
         narrow.append(slice(start, min(whole.stop, max(hit.stop, start + _MIN_SIDE_PX))))
     return narrow[0], narrow[1]
-
-
-def _reduced(pixels: Pixels, shape: tuple[int, int]) -> npt.NDArray[Any]:
-    """Return area means at a smaller size, which keep the place of an edge in their grey levels.
-
-    Means over whole numbers of pixels are many times faster: linear interpolation first brings the picture,
-    near its own size, to a multiple of the wanted one.
-    """
-    rows, columns = shape
-    whole = math.ceil(pixels.shape[0] / rows - 0.25)
-    multiple = cv2.resize(pixels, (columns * whole, rows * whole), interpolation=cv2.INTER_LINEAR)
-    return cv2.resize(multiple, (columns, rows), interpolation=cv2.INTER_AREA)

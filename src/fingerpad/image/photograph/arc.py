@@ -9,8 +9,9 @@ its own size: points there are weighted accordingly.
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,7 @@ from fingerpad.image.ellipse_fit import (
     refine,
 )
 from fingerpad.image.photograph.faces import Face
+from fingerpad.image.scale import Scale
 
 # Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
 PAD_MIDDLE: Mapping[Face, float] = {
@@ -75,6 +77,99 @@ _MIN_FREEDOM = 3.0
 # Semi-axes in units of the points' spread.
 _SEARCH: Final[dict[str, Any]] = {"sizes": (0.02, 50.0), "tolerance": 1e-9, "max_steps": 60}
 _TWO_SIDED_95 = 1.959964
+# So many points left out at an end of the arc say that the pad ends there.
+_END = 8
+
+
+_POINT = np.dtype(
+    [
+        ("xy", np.float64, 2),  # px, in the face's frame
+        ("step_ratio", np.float64),  # step across the edge over the noise beside it, NaN without an edge
+        ("pad", np.bool_),  # whether it can be pad
+        ("used", np.bool_),  # whether it is of the arc
+        ("rejected", np.bool_),  # whether it would be, and stands out
+        ("marked", np.bool_),  # whether it was added manually
+    ]
+)
+
+
+def outline_points(xy: FloatArray, **known: ArrayLike) -> npt.NDArray[np.void]:
+    """Return points of an outline: of the pad's arc, without an edge, unless other things are known."""
+    points = np.zeros(len(xy), dtype=_POINT)
+    for name, values in {"xy": xy, "step_ratio": math.nan, "pad": True, "used": True, **known}.items():
+        points[name] = values
+    return points
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FaceArc:
+    """The arc of a face's outline, in the outline, and what is known beside it.
+
+    Lengths are px of the picture. The outline's points are in order; the arc is one piece of them.
+    """
+
+    face: Face
+    scale: Scale
+    frame: tuple[FloatArray, FloatArray]  # steps (row, column) of the face's x and y; their origin there
+    tilt: tuple[float, float]  # radians; of the finger's axis, known without the arc, and its std
+    points: npt.NDArray[np.void]  # (n,); see `outline_points`
+    start: FloatArray  # (x, y, semi_x, semi_y, tilt) of a rough ellipse
+    ends_known: bool = True  # whether they were given: what lies beyond tells nothing of the lengths then
+    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # points of the arc
+    alike: int = 8  # so many neighbouring points share an error, as by the roughness of the skin
+    blur: float = math.nan  # standard deviation of the edges' blur, NaN without edges
+    border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
+
+    @property
+    def xy(self) -> FloatArray:
+        """The points in the face's frame, (n, 2), px."""
+        return np.asarray(self.points["xy"], dtype=np.float64)
+
+    @property
+    def searched(self) -> BoolArray:
+        """Among which points the arc was found."""
+        arc: BoolArray = self.points["used"] | self.points["rejected"]
+        return arc if self.ends_known else np.asarray(self.points["pad"])
+
+    def about(self, ellipse: PlaneEllipse, angle: float) -> tuple[FloatArray, FloatArray]:
+        """Return two outlines about an ellipse's centre, x turned by an angle, without points added manually.
+
+        The first is, of a palmar face, all that was found, the shaft with it; the second what can be pad.
+        """
+        found = self.points[~self.points["marked"]]
+        local = (found["xy"] - ellipse.parameters[:2]) @ rotation(angle)
+        pad = local[found["pad"]]
+        return local if self.face == "palmar" else pad, pad
+
+    def in_picture(self, points: FloatArray) -> FloatArray:
+        """Return points of the face's frame as (row, column), px."""
+        axes, place = self.frame
+        return np.asarray(points @ axes + place)
+
+    def without(self, gone: BoolArray) -> Self:
+        """Return the arc without some points of the outline.
+
+        Where the end of the arc goes, so does all beyond it: the pad ends there.
+        """
+        used = self.points["used"]
+        gone, left = gone.copy(), np.flatnonzero(used & ~gone)
+        for beyond in (slice(left[0]), slice(left[-1] + 1, None)) if len(left) else ():
+            gone[beyond] |= (gone & used)[beyond].sum() >= _END
+        of_arc = gone & (used | self.points["rejected"])
+        erased = np.concatenate([self.erased, self.xy[of_arc]])
+        return replace(self, erased=erased, points=self.points[~gone])
+
+    def with_marks(self, marks: FloatArray) -> Self:
+        """Return the arc with points on the pad, (row, column), px, added manually, each in its turn."""
+        axes, place = self.frame
+        local = (marks - place) @ axes.T
+        near = np.flatnonzero(self.points["pad"] | self.searched)
+        turns, wanted = (turns_from(PAD_MIDDLE[self.face], xy, self.start) for xy in (self.xy[near], local))
+        sign = -1.0 if len(turns) and turns[-1] < turns[0] else 1.0
+        order = np.argsort(sign * wanted, kind="stable")
+        before = np.searchsorted(np.maximum.accumulate(sign * turns), sign * wanted[order])
+        at = np.append(near, near[-1] + 1 if len(near) else 0)[before]
+        return replace(self, points=np.insert(self.points, at, outline_points(local[order], marked=True)))
 
 
 def fit_arc_ellipse(

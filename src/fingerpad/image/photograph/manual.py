@@ -24,9 +24,8 @@ from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.image.ellipse import PlaneEllipse, nearest_on_sides
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph.arc import PAD_MIDDLE, turns_from
+from fingerpad.image.photograph.arc import PAD_MIDDLE, FaceArc, outline_points, turns_from
 from fingerpad.image.photograph.calibration import DOUBT
-from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points, photograph_fit
 from fingerpad.image.photograph.faces import (
     Direction,
     Face,
@@ -35,7 +34,7 @@ from fingerpad.image.photograph.faces import (
     face_axes,
     palmar_directions,
 )
-from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.photograph.result import PhotographFit, face_from_arc, photograph_fit, size_flags
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 # An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
@@ -155,7 +154,7 @@ def with_marked_points(
     radius, px; where one takes the end of the arc, the pad ends there.
     """
     marks = _check_points("added points", added)
-    arc: FaceArc = found._arc
+    arc = found._arc
     places = arc.in_picture(arc.xy)
     gone = np.zeros(len(places), dtype=bool)
     for path, radius in erased:

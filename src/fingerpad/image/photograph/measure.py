@@ -15,9 +15,9 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image._masks import region_window
 from fingerpad.image.levels import check_finite, checked_picture
 from fingerpad.image.photograph import arc
-from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc, outline_points
+from fingerpad.image.photograph.arc import FaceArc, outline_points
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
-from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.photograph.result import PhotographFit, face_from_arc
 from fingerpad.image.photograph.silhouette import (
     Silhouette,
     SubpixelOutline,

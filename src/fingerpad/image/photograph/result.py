@@ -1,10 +1,14 @@
-"""The result of measuring a photograph of one face."""
+"""A face's ellipse from the arc of its outline, with every term of its uncertainty and the flags it earns.
+
+Automatic and manual arcs, of photographs and of outlines given as points, all come here: what is stated is a
+function of the arc and of what is known beside it, not of the way it was reached.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +16,28 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray, finite_angle
 from fingerpad._display import Displayed, record_text
+from fingerpad.exceptions import FitError
+from fingerpad.image.ellipse import PlaneEllipse, rotation
+from fingerpad.image.ellipse_fit import EllipseFit
+from fingerpad.image.photograph import shape
+from fingerpad.image.photograph.arc import (
+    MAX_RELATIVE_STD,
+    PAD_MIDDLE,
+    FaceArc,
+    extend_arc,
+    fit_arc_ellipse,
+    outline_places,
+    turns_from,
+)
+from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
 from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
-from fingerpad.image.photograph.shape import radius_of_outline
 from fingerpad.image.scale import Scale
+
+_SHORT_ARC_DEG = 90.0
+# Step across the edge over the noise beside it.
+_LOW_CONTRAST = 30.0
+# Depth of a finger seen end on, dorsal over palmar: 0.5 to 0.8 with a nail, 1 at most.
+_DORSAL_DEEPER = 1.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -82,8 +105,7 @@ class PhotographFit(Displayed):
     exponent_std: float = math.nan
     outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     picture: npt.NDArray[Any] | None = field(default=None, repr=False)
-    # The arc that was fitted, for manual changes to it: a `FaceArc`.
-    _arc: Any = None
+    _arc: FaceArc  # that was fitted, for manual changes to it
 
     @property
     def edge_covariance(self) -> FloatArray:
@@ -215,7 +237,7 @@ class PhotographFit(Displayed):
         mm_per_px = self.scale.mm_per_px
         points = (self.outline - self.centre) @ self.directions.T
         across, along = map(float, self.semi_axes / mm_per_px)
-        radius, std = radius_of_outline(points, (across, along), angle, self.tilt_std)
+        radius, std = shape.radius_of_outline(points, (across, along), angle, self.tilt_std)
         return radius * mm_per_px, math.hypot(std * mm_per_px, radius * self.scale.mm_per_px_std)
 
     def ellipse_radius(self, angle: float) -> float:
@@ -250,6 +272,111 @@ class PhotographFit(Displayed):
         t = np.linspace(0, 2 * math.pi, count)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
         return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
+
+
+def face_from_arc(arc: FaceArc) -> PhotographFit:
+    """Return a face's semi-axes from an arc of its outline, with the terms of their covariance, and flags."""
+    fit = _fitted(arc)
+    noise = fit.covariance[2:4, 2:4]
+    known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())
+    middle, local = PAD_MIDDLE[arc.face], arc.xy[arc.points["used"]]
+    angles = middle + turns_from(middle, local, fit.ellipse.parameters)
+    if not known < MAX_RELATIVE_STD:
+        raise FitError(
+            f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
+            f"by {100 * known:.0f} %: mark a longer arc, come nearer, or choose a backdrop of another colour "
+            "than the skin"
+        )
+    average = shape.average_over_shapes(arc, fit)
+    ellipse, share = average.ellipse, 1 - average.weight
+    scale, semi_px = arc.scale.mm_per_px, ellipse.semi_axes
+    tilt_std = math.sqrt(fit.covariance[4, 4])
+    terms = {"noise": share * noise * scale**2}
+    terms["shape"] = average.covariance * scale**2 - terms["noise"]
+    if math.isfinite(arc.blur):
+        terms["edge"] = np.full((2, 2), (DOUBT.edge_std * arc.blur * scale) ** 2)
+    if not arc.ends_known:
+        lengths, turn = shape.contradicted(arc, ellipse, tilt_std, share)
+        tilt_std = math.hypot(tilt_std, LENGTHS.added * turn)
+        both = np.outer(lengths, lengths) + turn**2
+        terms["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
+    found = photograph_fit(arc, ellipse, terms, tilt_std, (float(angles.min()), float(angles.max())))
+    found = replace(
+        found,
+        residual_px_std=fit.residual_std,
+        exponent=average.exponent,
+        exponent_std=average.exponent_std,
+    )
+    return replace(found, flags=_flags(found, arc))
+
+
+def photograph_fit(
+    arc: FaceArc,
+    ellipse: PlaneEllipse,
+    terms: Mapping[str, FloatArray],
+    tilt_std: float,
+    angles: tuple[float, float],
+) -> PhotographFit:
+    """Return an ellipse, px in the face's frame, as a result, to whose uncertainty the scale adds a term."""
+    row, column = arc.in_picture(ellipse.parameters[:2]).tolist()
+    semi_axes = ellipse.semi_axes * arc.scale.mm_per_px
+    of_scale = arc.scale.relative_std**2 * np.outer(semi_axes, semi_axes)
+    return PhotographFit(
+        face=arc.face,
+        semi_axes=semi_axes,
+        covariance_terms={**terms, "scale": of_scale},
+        scale=arc.scale,
+        centre=(row, column),
+        directions=rotation(ellipse.angle).T @ arc.frame[0],
+        tilt=ellipse.angle,
+        tilt_std=tilt_std,
+        arc=angles,
+        points=arc.in_picture(arc.xy[arc.points["used"]]),
+        outliers=arc.in_picture(np.concatenate([arc.xy[arc.points["rejected"]], arc.erased])),
+        blur_px=arc.blur,
+        outline=arc.in_picture(arc.xy[arc.points["pad"] & ~arc.points["marked"]]),
+        _arc=arc,
+    )
+
+
+def _fitted(arc: FaceArc) -> EllipseFit:
+    """Return the arc's ellipse, to which the outline just beyond ends that were given contributes.
+
+    An arc found automatically ends where no ellipse follows the outline further.
+    """
+    used, (places, _) = np.flatnonzero(arc.points["used"]), outline_places(arc.xy)
+    fit = fit_arc_ellipse(arc.xy[used], arc.tilt, places=places[used], start=arc.start)
+    return extend_arc(arc.xy, used, fit, arc.tilt) if arc.ends_known else fit
+
+
+def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
+    """Return what makes a measurement doubtful."""
+    semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
+    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
+    by_lengths = np.diagonal(found.covariance_terms.get("lengths", np.zeros((2, 2))))
+    no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse
+    used, rejected = arc.points[arc.points["used"]], arc.points["rejected"]
+    ratios = used["step_ratio"][np.isfinite(used["step_ratio"])]
+    palmar_px = (arc.in_picture(arc.xy) - found.centre) @ found.directions[1]
+    deepest = _DORSAL_DEEPER * found.semi_axes[1] / found.scale.mm_per_px
+    margin = math.inf
+    if arc.border is not None:
+        *last, near = arc.border
+        margin = float(np.minimum(found.points, np.array(last) - found.points).min()) - near
+    holds = {
+        "short_arc": found.arc_deg < _SHORT_ARC_DEG,
+        "uncertain": float(relative.max()) > 0.02,
+        "many_outliers": float(rejected.sum() / (rejected | arc.points["used"]).sum()) > 0.15,
+        "low_contrast": len(ratios) > 0 and float(np.quantile(ratios, 0.25)) < _LOW_CONTRAST,
+        "soft_edges": found.blur_px > 0.02 * semi_px,
+        "touches_border": margin < 0,
+        "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
+        "not_an_ellipse": no_ellipse or shape.is_significant(found.exponent, found.exponent_std),
+        "dorsal_deeper": arc.face == "distal" and not arc.ends_known and palmar_px.min() < -deepest,
+        "tilted": abs(found.tilt) > math.radians(10),
+        "fitted_manually": bool(arc.points["marked"].any()) or len(arc.erased) > 0,
+    }
+    return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)
 
 
 def size_flags(semi_axes: FloatArray) -> frozenset[str]:

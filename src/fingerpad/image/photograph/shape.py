@@ -13,9 +13,9 @@ from scipy.special import expit
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, robust_std
 from fingerpad.image.ellipse import PlaneEllipse
-from fingerpad.image.ellipse_fit import correlation_length
+from fingerpad.image.ellipse_fit import EllipseFit, correlation_length
+from fingerpad.image.photograph.arc import PAD_MIDDLE, SURELY_PAD, FaceArc, initial_ellipse, turns_from
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
-from fingerpad.image.photograph.faces import Face
 
 # Points are too few below this, and a place is found in so many rounds.
 _MIN_POINTS_OF_LENGTHS, _MIN_POINTS_OF_RADIUS, _ROUNDS = 12, 20, 8
@@ -25,36 +25,34 @@ _WIDTHS: Final = (0.95, 0.97, 0.98)
 _MAX_CHANGE: Final = 1.5
 
 _EXPONENTS: Final = (1.2, 5.0)  # searched
-# Neighbouring points share the skin's roughness; blocks of so many hardly do.
-BLOCK, _MIN_BLOCKS = 8, 10
+_MIN_BLOCKS = 10
 _UNSEEN: Final = (math.nan, math.nan, math.nan)
 
 
-def contradicted_by_lengths(
-    face: Face,
-    points: FloatArray,
-    semi_axes: FloatArray,
-    *,
-    pad: FloatArray,
-    tilt_std: float,
-    ellipse: float = 1.0,
-) -> FloatArray:
-    """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance.
+def contradicted(
+    arc: FaceArc, ellipse: PlaneEllipse, tilt_std: float, share: float
+) -> tuple[FloatArray, float]:
+    """Return by how much, relatively, an outline's lengths differ from an ellipse's, and its turn, radians.
 
-    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse, or less far,
-    nothing tells which of the two is the pad. Zero where the outline does not show a length.
+    Both beyond chance. The ellipse follows an arc. Where the outline beyond it reaches farther than the
+    ellipse, or less far, nothing tells which of the two is the pad; zero where the outline does not show a
+    length. Where the ellipse is tilted otherwise than the finger, another curve was taken for a turned
+    ellipse: its axis is uncertain by that turn, and its semi-axes by about as many radians.
 
-    Points (x, y) are about the ellipse's centre, in order, along its axes: of a palmar face with the shaft,
-    in `pad` those that can be pad. The ellipse's axis has the standard uncertainty `tilt_std`, radians; it
-    describes the pad's arc with the probability `ellipse`.
+    The axis has the standard uncertainty `tilt_std`, radians; an ellipse describes the pad's arc with the
+    probability `share`.
     """
+    turn = 0.0
+    if arc.face != "distal":
+        turn = float(_beyond_chance(ellipse.angle - arc.tilt[0], LENGTHS.of_tilt_std * arc.tilt[1]))
+    points, _ = arc.about(ellipse, ellipse.angle)
     if len(points) < _MIN_POINTS_OF_LENGTHS:
-        return np.zeros(2)
-    across, along = semi_axes
+        return np.zeros(2), turn
+    across, along = ellipse.semi_axes
     top = int(points[:, 1].argmax())
     sides = points[top:], points[top::-1]
     tip_x, tip_y = _turning_point(points, across**2 / along)
-    if face in ("radial", "ulnar"):
+    if arc.face in ("radial", "ulnar"):
         # From the tip to the palmar side, the one that reaches farther.
         width = _turning_point(points[:, ::-1], along**2 / across)[1] - tip_x
         palmar = sides[0] if points[:, 0].argmax() > top else sides[1]
@@ -63,33 +61,33 @@ def contradicted_by_lengths(
         own = LENGTHS.side_across_std, LENGTHS.side_along_std
         stds = np.hypot(own, np.array([across / along, along / across]) * axis)
     else:
-        width, hidden, middle = half_width(points, pad, across, along, face)
+        width, hidden, middle = _half_width(arc, ellipse, ellipse.angle)
         outward = [(np.abs(side[:, 0] - middle), side[:, 1]) for side in sides]
         heights = [height for side in outward for height in _heights(*side, tip_y, width)]
-        shaft = (1 + (LENGTHS.hidden - 1) * ellipse) * hidden / across
+        shaft = (1 + (LENGTHS.hidden - 1) * share) * hidden / across
         own = LENGTHS.front_across_std, LENGTHS.front_along_std
         stds = np.hypot(own, np.array([1, LENGTHS.height_by_width]) * shaft)
     lengths = np.array([width, np.mean(heights)])
-    return beyond_chance(np.nan_to_num(lengths / semi_axes - 1), stds)
+    return _beyond_chance(np.nan_to_num(lengths / ellipse.semi_axes - 1), stds), turn
 
 
-def beyond_chance(off: ArrayLike, std: ArrayLike) -> FloatArray:
+def _beyond_chance(off: ArrayLike, std: ArrayLike) -> FloatArray:
     """Return what chance does not explain of a difference: all of a large one, little of a small one."""
     off, std = as_float_array(off), as_float_array(std)
     return np.asarray(off**3 / (off**2 + std**2))
 
 
-def half_width(
-    points: FloatArray, pad: FloatArray, across: float, along: float, face: Face
-) -> tuple[float, float, float]:
+def _half_width(arc: FaceArc, ellipse: PlaneEllipse, angle: float) -> tuple[float, float, float]:
     """Return half of an outline's width at the pad's widest place, what is hidden of it, and its middle.
 
-    Hidden is what a wider shaft covers, or what lies below the outline's end. Arguments are those of
-    `contradicted_by_lengths`.
-
-    Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
-    than the pad. How much wider it is beyond what is common, is the pad's.
+    Hidden is what a wider shaft covers, or what lies below the outline's end. Of a palmar face the widest
+    place lies at the ellipse's centre or above: below, the shaft may be wider than the pad. How much wider it
+    is beyond what is common, is the pad's.
     """
+    points, pad = arc.about(ellipse, angle)
+    if not len(points):
+        return math.nan, 0.0, math.nan
+    across, along = ellipse.semi_axes
     top = int(points[:, 1].argmax())
     way = math.copysign(1, points[-1, 0] - points[0, 0])
     ends, hidden = [], 0.0
@@ -98,12 +96,14 @@ def half_width(
         short = min(max(float(y[-1]) / along, 0.0), 1.0)
         missing = across * (1 - math.sqrt(1 - short**2))
         widest = np.maximum.accumulate(x)
-        shown = float(np.interp(0.0, -y, widest) if face == "palmar" else widest[-1])
+        shown = float(np.interp(0.0, -y, widest) if arc.face == "palmar" else widest[-1])
         ends.append(sign * (shown + missing))
         hidden += missing / 2
     value = abs(ends[0] - ends[1]) / 2
-    more = max(float(np.ptp(pad[:, 0])) / 2 - value, 0.0) if face == "palmar" and len(pad) else 0.0
-    more_pad = float(beyond_chance(more, LENGTHS.shaft * across))
+    more = 0.0
+    if arc.face == "palmar" and len(pad):
+        more = max(float(np.ptp(pad[:, 0])) / 2 - value, 0.0)
+    more_pad = float(_beyond_chance(more, LENGTHS.shaft * across))
     return value + more_pad, hidden + more - more_pad, sum(ends) / 2
 
 
@@ -221,24 +221,24 @@ def is_significant(exponent: float, std: float) -> bool:
     return abs(exponent - 2) > max(DOUBT.significant * std, DOUBT.least_significant)
 
 
-def average_over_shapes(
-    points: FloatArray,
-    ellipse: PlaneEllipse,
-    covariance: FloatArray,
-    *,
-    tilt: tuple[float, float],
-    half_width: float = math.nan,
-    hidden: float = 0.0,
-    alike: int = BLOCK,
-) -> ShapeAverage:
+def average_over_shapes(arc: FaceArc, fit: EllipseFit) -> ShapeAverage:
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
 
     |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants and one for each.
-    The semi-axes of both curves are the extents to which they continue the arc; those of the ellipse have the
-    covariance given. `half_width` is half of the finger's width, NaN where this face does not show the pad's,
-    of which the outline does not show the part `hidden`; `alike` neighbouring points share an error. Lengths
-    are px. Too few points tell no exponent.
+    The semi-axes of both curves are the extents to which they continue the arc, and the pad's middle where
+    the arc leaves it out. Half of the finger's width tells too, where the face shows it. Too few points tell
+    no exponent.
     """
+    ellipse, covariance = fit.ellipse, fit.covariance[2:4, 2:4]
+    middle, alike = PAD_MIDDLE[arc.face], arc.alike
+    core = np.abs(turns_from(middle, arc.xy, initial_ellipse(arc.xy, arc.face))) < SURELY_PAD
+    if arc.face in ("radial", "ulnar"):  # below the widest place the palmar side may be shaft
+        core &= turns_from(middle, arc.xy, ellipse.parameters) > -middle
+    points = arc.xy[arc.searched & (arc.points["used"] | core)]
+    half_width, hidden = math.nan, 0.0
+    # A side face shows the nail's side too, whose distance is no semi-axis.
+    if arc.face in ("palmar", "distal"):
+        half_width, hidden, _ = _half_width(arc, ellipse, arc.tilt[0])
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)
     if counts.sum() < _MIN_BLOCKS * alike:
@@ -248,7 +248,7 @@ def average_over_shapes(
     given = ellipse.semi_axes
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width_std = math.hypot(DOUBT.width_std, hidden / ellipse.semi_x)
-    curve = _Curve(blocks, weights, tilt, (math.log(half_width / size), width_std), DOUBT.least_px / size)
+    curve = _Curve(blocks, weights, arc.tilt, (math.log(half_width / size), width_std), DOUBT.least_px / size)
     bent = curve.fitted(np.append(curve.fitted(start).x, np.zeros(5)))
     for _ in range(2):
         deviation = max(DOUBT.least_px / size, curve.deviation(bent.x))
