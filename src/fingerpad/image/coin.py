@@ -15,7 +15,7 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, a
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image._masks import sample
-from fingerpad.image.ellipse import PlaneEllipse, orientation_of
+from fingerpad.image.ellipse import PlaneEllipse, half_turn
 from fingerpad.image.ellipse_fit import correlation_length, direct_ellipse, fit_ellipse
 from fingerpad.image.levels import picture_levels
 from fingerpad.image.read import ImageLike, levels_of
@@ -85,8 +85,7 @@ class Coin(Displayed):
         (row, column), px; pixel centres are whole numbers.
     semi_major, semi_major_std : float
         Radius of the disc, px: the semi-axis that a tilt does not shorten. The standard uncertainty is from
-        the scatter of the edge about the ellipse, correlated along the edge, and from systematic shifts of
-        the edge: lens blur, relief on the rim, a shadow.
+        the scatter of the edge, correlated along it, and from its shifts by lens blur, relief and a shadow.
     semi_minor, semi_minor_std : float
         The semi-axis that a tilt shortens, px.
     orientation : float
@@ -123,12 +122,6 @@ class Coin(Displayed):
         Returns
         -------
         Scale
-            Millimetres per pixel, with uncertainty.
-
-        Raises
-        ------
-        CalibrationError
-            If the diameter is not positive and finite, or its uncertainty negative.
         """
         # What lies in the coin's plane is shortened across the tilt too, and its area as much.
         shortened = self.semi_major - self.semi_minor if "coin_tilted" in self.flags else 0.0
@@ -139,10 +132,10 @@ class Coin(Displayed):
 def measure_coin(image: ImageLike) -> Coin:
     """Find the one coin in a picture, to a fraction of a pixel.
 
-    Ellipses are fitted through contours at many grey levels, then through the steepest places along their
-    normals. Of those with a sharp edge nearly all round the outermost is the coin's, so that a rim, a ring of
-    letters, the hole of a washer or one side of a shadow is not taken for it. An ellipse of least orthogonal
-    distance is then fitted to the edge in the full image, outliers left out.
+    Of the ellipses that have a sharp edge nearly all round the outermost is the coin's, so that a rim, a ring
+    of letters, the hole of a washer or one side of a shadow is not taken for it. It is fitted by least
+    orthogonal distance to the edge in the full image, outliers left out. Meant for a coin of 60 px radius or
+    more, tilted by less than 45°, on a background that differs from it all round.
 
     Parameters
     ----------
@@ -158,11 +151,6 @@ def measure_coin(image: ImageLike) -> Coin:
     CalibrationError
         If the array is no grey picture, or shows no coin, more than one, or one that the frame cuts; or if
         its edge is lost in a deep shadow, or on a background as bright as the coin.
-
-    Notes
-    -----
-    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a background that differs from it
-    all round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
 
     Examples
     --------
@@ -298,7 +286,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         semi_major_std=major_std,
         semi_minor=semi_minor,
         semi_minor_std=minor_std,
-        orientation=orientation_of((math.cos(angle), math.sin(angle))),
+        orientation=half_turn(math.pi / 2 - angle),
         shadow=shadow,
         flags=tuple(flag for flag, doubted in doubts.items() if doubted),
     )

@@ -177,11 +177,6 @@ def half_turn(angle: float) -> float:
     return turned if turned > -math.pi / 2 else math.pi / 2  # a remainder may round to the whole half turn
 
 
-def orientation_of(direction: tuple[float, float]) -> float:
-    """Return the angle of an axis (x right, y down) from straight up, counter-clockwise, in (−π/2, π/2]."""
-    return half_turn(math.atan2(*direction))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AreaMoments:
     """Area, centroid (x, y) and second moments of a region."""
@@ -200,7 +195,7 @@ class AreaMoments:
     @property
     def orientation(self) -> float:
         """Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]."""
-        return orientation_of(self.axes[0])
+        return half_turn(math.atan2(*self.axes[0]))
 
     @property
     def ellipse(self) -> ImageEllipse:

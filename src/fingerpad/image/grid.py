@@ -154,8 +154,8 @@ class Grid(Displayed):
         return math.exp(np.log(self._local_mm_per_px[middle]).mean())
 
     def _scale(self, more_std: float = 0.0) -> Scale:
-        uneven = self.unevenness  # the middle may be wrong by as much
-        relative = math.hypot(self.spacing_mm_std / self.spacing_mm, uneven, more_std)
+        # The middle may be wrong by as much as lengths are.
+        relative = math.hypot(self.spacing_mm_std / self.spacing_mm, self.unevenness, more_std)
         return Scale(self._mm_per_px, self._mm_per_px * relative)
 
     def rectified(self, pixels: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Scale]:
@@ -225,7 +225,6 @@ def measure_grid(
     Returns
     -------
     Grid
-        The points, the homography, and what follows from it.
 
     Raises
     ------
@@ -281,10 +280,7 @@ def measure_grid(
 
 def _upright(points: FloatArray) -> FloatArray:
     """Return points (x, y), which may begin at any corner, with rows down the picture and columns right."""
-    along, down = (
-        np.ptp(points[:, [0, -1]].mean(axis=0), axis=0),
-        np.ptp(points[[0, -1]].mean(axis=1), axis=0),
-    )
+    along, down = (np.ptp(points.mean(axis=axis)[[0, -1]], axis=0) for axis in (0, 1))
     if along[0] + down[1] < along[1] + down[0]:
         points = points.swapaxes(0, 1)
     points = points if points[:, -1, 0].mean() > points[:, 0, 0].mean() else points[:, ::-1]

@@ -54,12 +54,11 @@ def draw_overlay(
     """Draw the measurement of a contact image or a photograph over the picture.
 
     A contact image. Green: the outline whose inside is the gross area. Orange: equal-area ellipse, its axes
-    and the centroid. Blue tint: ridges. Small images are enlarged by a whole number, so that lines stay thin
-    beside the ridges; those of more than 8000 px on a side are reduced to that.
+    and the centroid. Blue tint: ridges. Small images are enlarged by a whole number; those of more than
+    8000 px on a side are reduced to that.
 
-    A photograph. Green points: the arc that was used. Pink crosses: points left out. Yellow: the fitted
-    ellipse, solid over the arc and dashed beyond it, with the semi-axes by name, their lengths and standard
-    uncertainties. The picture is scaled to 1100 px, so that lines and letters have one size.
+    A photograph, scaled to 1100 px. Green points: the arc that was used. Pink crosses: points left out.
+    Yellow: the fitted ellipse, solid over the arc and dashed beyond it, with the semi-axes by name.
 
     Parameters
     ----------
@@ -91,10 +90,11 @@ def draw_overlay(
     """
     if not isinstance(found, ContactImageResult | PhotographFit):
         raise ImageError(f"found must be a ContactImageResult or PhotographFit, found {type(found).__name__}")
-    pixels = levels_of(image, colour=True)
+    levels = picture_levels(levels_of(image, colour=True), "pixels", colour=True)
+    levels = levels[..., :3] if levels.ndim == 3 else levels
     if isinstance(found, PhotographFit):
-        return _draw_photograph(pixels, found, label)
-    return _draw_contact_image(pixels, found, label)
+        return _draw_photograph(in_colour(levels), found, label)
+    return _draw_contact_image(stretched(levels), found, label)
 
 
 def write_overlay(
@@ -116,7 +116,6 @@ def write_overlay(
     Returns
     -------
     Path
-        The file written.
 
     Raises
     ------
@@ -146,9 +145,8 @@ def write_overlay(
     return path
 
 
-def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label: str | None) -> Canvas:
-    levels = stretched(picture_levels(pixels, "pixels", colour=True))
-    levels, shape = levels[..., :3] if levels.ndim == 3 else levels, levels.shape[:2]
+def _draw_contact_image(levels: Canvas, found: ContactImageResult, label: str | None) -> Canvas:
+    shape = levels.shape[:2]
     if shape != found.shape:
         raise ImageError(f"pixels must have the measured picture's shape {found.shape}, found {shape}")
     zoom = min(max(1, math.ceil(_MIN_SIDE_PX / max(shape))), _MAX_SIDE_PX / max(shape))
@@ -189,8 +187,7 @@ def _tint_ridges(large: Canvas, contact_image: ContactImageResult, *, enlarged: 
     return np.asarray(cv2.merge(channels), dtype=np.uint8)
 
 
-def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:
-    colour = in_colour(picture_levels(pixels, "pixels", colour=True))[..., :3]
+def _draw_photograph(colour: Canvas, found: PhotographFit, label: str | None) -> Canvas:
     rows, columns = colour.shape[:2]
     measured = None if found.picture is None else found.picture.shape[:2]
     if measured not in (None, (rows, columns)) or (found.points > (rows, columns)).any():
@@ -198,10 +195,16 @@ def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | N
         raise ImageError(
             f"pixels must be the photograph that was measured, found {rows} × {columns} pixels, {what}"
         )
-    zoom = _SIDE_PX / max(colour.shape[:2])
+    zoom = _SIDE_PX / max(rows, columns)
     canvas = _zoomed(colour, zoom)
     _draw_fitted_ellipse(canvas, found, zoom)
-    _draw_points(canvas, found, zoom)
+    # About sixty of the points used, and eighty of those left out.
+    for point in canvas_points(found.points[:: max(1, len(found.points) // 60)], zoom):
+        draw_dot(canvas, point, 4, PAPER)
+        draw_dot(canvas, point, 3, POINT_COLOUR)
+    for point in canvas_points(found.outliers[:: max(1, len(found.outliers) // 80)], zoom):
+        for diagonal in ((5, 5), (5, -5)):
+            draw_line(canvas, np.stack([point - diagonal, point + diagonal]), OUTLIER_COLOUR, 2)
     _draw_axes(canvas, found, zoom)
     draw_scale_bar(canvas, found.scale.mm_per_px / zoom, _WIDTH)
     for k, (text, text_colour) in enumerate(_legend(found, label)):
@@ -217,16 +220,6 @@ def _draw_fitted_ellipse(canvas: Canvas, found: PhotographFit, zoom: float) -> N
     for colour, margin in ((INK, 2), (FITTED_COLOUR, 0)):
         for k in drawn:
             draw_line(canvas, points[k : k + 2], colour, margin + 1 + int(solid[k]))
-
-
-def _draw_points(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
-    """Draw about sixty of the points used and eighty of those left out."""
-    for point in canvas_points(found.points[:: max(1, len(found.points) // 60)], zoom):
-        draw_dot(canvas, point, 4, PAPER)
-        draw_dot(canvas, point, 3, POINT_COLOUR)
-    for point in canvas_points(found.outliers[:: max(1, len(found.outliers) // 80)], zoom):
-        for diagonal in ((5, 5), (5, -5)):
-            draw_line(canvas, np.stack([point - diagonal, point + diagonal]), OUTLIER_COLOUR, 2)
 
 
 def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:

@@ -44,6 +44,7 @@ _SEVERAL: Final = (
 )
 _TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _ORIENTATION_TAG: Final = 274
+_COLOURS: Final = ("RGB", "RGBA", "RGBX", "LA")  # modes that Pillow has for 8 bits alone
 # Files without a true resolution carry 0 or 1 here.
 _MIN_PPI = 10.0
 # Resolutions across and down that differ by more are those of pixels that are not square.
@@ -211,7 +212,9 @@ def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
 def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
     """Decode by Pillow, or by OpenCV the deep colour it would cut; the header passes the check first."""
     with Image.open(path, formats=_FORMATS) as image:
-        deep = _is_deep_colour(image)
+        # The layout of the file's samples, or the largest of a PPM, tells what Pillow cuts to 8 bits.
+        layouts = [str(tile[3]) for tile in getattr(image, "tile", ())]
+        deep = image.mode in _COLOURS and any(";16" in each or "65535" in each for each in layouts)
         sample_bytes = 2 if deep else {"I": 4, "F": 4}.get(image.mode[:1], 1)
         channels = len(image.getbands())
         check_memory(path, image.size, memory_limit, channels=channels, sample_bytes=sample_bytes)
@@ -239,15 +242,6 @@ def read_resolution(path: Path) -> float | None:
         with Image.open(path, formats=_FORMATS) as image:
             return _resolution_of_image(image)
     return None
-
-
-def _is_deep_colour(image: Image.Image) -> bool:
-    """Return whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
-    if image.mode not in {"RGB", "RGBA", "RGBX", "LA"}:
-        return False
-    # Pillow's name for the layout of the file's samples, or for PPM their largest value.
-    layouts = [str(tile[3]) for tile in getattr(image, "tile", ())]
-    return any(";16" in layout or "65535" in layout for layout in layouts)
 
 
 def _decode_by_opencv(path: Path) -> Pixels:

@@ -95,8 +95,7 @@ class Scale(Displayed):
     def of_picture(cls, picture: Picture) -> Self:
         """Return a scale from the resolution that a picture's own file states.
 
-        The uncertainty is that of rounding to whole dots per inch. The number may be meaningless:
-        `measure_contact_image` flags ``scale_doubtful`` where the ridge period is implausible.
+        The uncertainty is that of rounding to whole dots per inch. The number may be meaningless.
 
         Parameters
         ----------

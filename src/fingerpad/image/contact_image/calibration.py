@@ -1,8 +1,8 @@
-"""Constants that were fitted to contact images of known truth, one class per model.
+"""Constants that were fitted to contact images of known truth (benchmarks/derive), one class per model.
 
-How they were fitted, and how well they do on other images: docs/reference/accuracy.md. Thresholds that are
-plain choices stand beside the functions that use them. Units: "periods" are ridge periods; "rises" are parts
-of the rise from valley to ridge; "contrasts" are parts of the interior's contrast with the ground.
+Thresholds that are plain choices stand beside the functions that use them. Units: "periods" are ridge
+periods; "rises" are parts of the rise from valley to ridge; "contrasts" are parts of the interior's contrast
+with the ground.
 """
 
 from dataclasses import dataclass

@@ -49,25 +49,20 @@ def measure_contact_image(
 ) -> ContactImageResult:
     """Measure the contact patch in a grey contact image.
 
-    The edge of a contact is where its outermost ridges stop touching. A region closed over ridges ends at
-    their ends, or at the outer border of the last ridge. Where ridges fade towards the edge, those that are
-    still seen just outside show by how much it lies further out; a halo or a rim, which are smooth along it,
-    do not count. How far is partly a matter of definition: about 0.04 to 0.2 mm stand in the covariance as an
-    offset that all of the outline shares, and all images of a device. The uncertainty of the semi-axes
-    contains besides what their definition leaves open where the outline is no ellipse, and a fade that
-    differs between the tips and the sides.
+    The edge of a contact is where its outermost ridges stop touching. Where ridges fade towards it, those
+    still seen just outside show by how much it lies further out; a halo or a rim, smooth along it, does not
+    count. How far is partly a matter of definition: about 0.04 to 0.2 mm stand in the covariance as an offset
+    that all of the outline shares, and all images of a device. The uncertainty of the semi-axes contains
+    besides what their definition leaves open where the outline is no ellipse.
 
     A contact without ridges, that of a silicone fingertip or of a gel, is measured with ``surface="smooth"``:
     its edge is half-way on the step from the contact to what lies around it, and with a picture of the empty
-    view as `background` reflections do not count. Light passes thin gaps and water fills them: the visible
-    edge lies outside the contact, by a part of the step's width, which stands in the uncertainty that all of
-    the outline shares. All that concerns ridges is NaN. Colours of the picture count.
+    view as `background` reflections do not count. Light passes thin gaps and water fills them: how far the
+    visible edge lies outside the contact stands in the shared uncertainty. Colours of the picture count.
 
     Ridge area is what lies, in means along the ridges, about half-way from the level of the valleys to that
-    of the ridges around, inside the outline. That level is shifted by what blur does to ridges of such width
-    and by grain within the ridges; what these leave unknown stands in the uncertainty. Sweat and ink beside a
-    ridge count as ridge: where ridges fill more than 59 % of the contact, the ridge area is flagged as an
-    upper bound, and less certain.
+    of the ridges around, shifted by what blur and grain do to it. Where ridges fill more than 59 % of the
+    contact, as with sweat or ink, the ridge area is flagged as an upper bound, and less certain.
 
     Parameters
     ----------

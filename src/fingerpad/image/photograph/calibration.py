@@ -1,8 +1,4 @@
-"""Constants of photographs that were fitted to fingers of known truth, one class per model.
-
-How well they do on other fingers: docs/reference/accuracy.md. Thresholds that are plain choices stand beside
-the functions that use them.
-"""
+"""Constants of photographs that were fitted to fingers of known truth (benchmarks/derive)."""
 
 import math
 from dataclasses import dataclass

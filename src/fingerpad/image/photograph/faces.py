@@ -1,11 +1,9 @@
 """The faces of a finger, their directions in a photograph, and the pad's semi-axes from those they show.
 
-Each face shows two of the three semi-axes, so that two faces give one of them twice and three faces each of
-them twice: the joint estimate is over-determined, and the disagreement is reported.
-
-Faces are combined as logarithms, to which an error of a picture's scale adds the same amount whatever the
-length. A covariance of lengths whose contribution from the scale is computed from the measured values biases
-the result below all of them (Peelle's pertinent puzzle).
+Each face shows two of the three semi-axes: the joint estimate is over-determined. Faces are combined as
+logarithms, to which an error of a picture's scale adds the same amount whatever the length: a covariance of
+lengths, with the scale's share computed from the measured values, biases the result below all of them
+(Peelle's pertinent puzzle).
 """
 
 from __future__ import annotations
@@ -75,16 +73,12 @@ def palmar_directions(face: Face, tip: Direction, palmar: Direction | None) -> t
     for name, direction in (("tip", tip), ("palmar", palmar)):
         if not (direction in tuple(STEPS) or (name == "palmar" and direction is None)):
             raise ImageError(f"{name} must be one of {', '.join(STEPS)}, found {direction!r}")
-    if face == "distal":
-        return (palmar or "down",)
-    if face == "palmar":
-        if palmar is not None:
-            raise ImageError(f"the palmar face looks at the camera: leave palmar out, found {palmar!r}")
-        return (tip,)
-    across = tuple(_TURNS[(_TURNS.index(tip) + turn) % 4] for turn in (1, 3))
+    across = _TURNS[(_TURNS.index(tip) + 1) % 4], _TURNS[(_TURNS.index(tip) + 3) % 4]
     if palmar is None:
-        return across
-    if palmar not in across:
+        return {"palmar": (tip,), "distal": ("down",)}.get(face, across)
+    if face == "palmar":
+        raise ImageError(f"the palmar face looks at the camera: leave palmar out, found {palmar!r}")
+    if face != "distal" and palmar not in across:
         raise ImageError(
             f"with the tip {tip} the palmar side is {across[0]} or {across[1]}, found {palmar!r}"
         )

@@ -116,17 +116,10 @@ def photograph_from_handles(
     PhotographFit
         Without points, with the flag ``fitted_manually``.
 
-    Raises
-    ------
-    ImageError
-        As `photograph_from_ellipse`.
-
     Examples
     --------
-    >>> from fingerpad.image import Scale
-    >>> scale = Scale(0.05)
     >>> fit = photograph_from_handles(
-    ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
+    ...     "palmar", 0.05, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
     ... )
     >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.tilt, 6) + 0.0
     ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)

@@ -1,7 +1,9 @@
 """Semi-axes of the finger pad from a photograph of one face before a plain backdrop.
 
-The finger is separated from the backdrop by colour, its outline located to a fraction of a pixel, the arc of
-the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
+The finger is separated from the backdrop by colour and its outline located to a fraction of a pixel
+(silhouette.py), the arc of the pad selected (arc.py), and an ellipse along the finger's axis fitted to it by
+least orthogonal distance, which a superellipse and the outline's lengths are compared with (shape.py,
+result.py).
 """
 
 from __future__ import annotations
@@ -49,9 +51,9 @@ def measure_photograph(
     no corner, still informs the fit. The ellipse lies along the finger's own axis, as its sides show it,
     within what they leave open.
 
-    No finger is an ellipse. A superellipse, with an exponent for each quadrant, is fitted to the same arc; by
-    the odds of the two, what its semi-axes differ by stands in the covariance. Where its mean exponent
-    departs from 2 significantly, the flag ``not_an_ellipse`` says so.
+    No finger is an ellipse. A superellipse is fitted to the same arc; by the odds of the two, what its
+    semi-axes differ by stands in the covariance. Where its mean exponent departs from 2 significantly, the
+    flag ``not_an_ellipse`` says so.
 
     Parameters
     ----------

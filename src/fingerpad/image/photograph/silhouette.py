@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, IndexArray, as_float32
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, IndexArray, as_float32, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour, sample
 from fingerpad.image.ellipse import evenly_spaced, outward_normals, runs
@@ -243,9 +243,7 @@ def _smooth_contour(points: FloatArray, *, closed: bool) -> FloatArray:
         return points
     mode: dict[str, Any] = {"mode": "wrap"} if closed else {"mode": "reflect", "reflect_type": "odd"}
     padded = np.pad(points, ((reach, reach), (0, 0)), **mode)
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _SMOOTHING_PX) ** 2)
-    weights /= weights.sum()
-    return np.stack([np.convolve(part, weights, mode="valid") for part in padded.T], axis=-1)
+    return as_float_array(gaussian_filter1d(padded, _SMOOTHING_PX, axis=0, radius=reach))[reach:-reach]
 
 
 class SubpixelOutline(NamedTuple):

@@ -311,7 +311,6 @@ def frame_clock(
     Returns
     -------
     FrameRate
-        The clock.
 
     Raises
     ------
@@ -365,10 +364,8 @@ def alignment_scatter(
 ) -> FloatArray:
     """Return the scatter of ln(area) about a power law of the load, for frames displaced by each shift, s.
 
-    It is the root mean square of the residuals, NaN where fewer than five frames lie in the signal. Where
-    frames are late, an area while the load grows is that of a smaller load, and one while it falls that of a
-    greater one. A pad that creeps or dissipates does the same in part: the least scatter is where frames and
-    force agree best, which is no proof that they do.
+    It is the root mean square of the residuals, NaN where fewer than five frames lie in the signal, and least
+    where frames and force agree best: no proof, since a pad that creeps or dissipates also seems late.
     """
     time, area = as_float_array(time, "time", LoadingError), as_float_array(area, "area", LoadingError)
     if time.ndim != 1 or time.shape != area.shape:
@@ -383,8 +380,7 @@ def alignment_scatter(
         if np.count_nonzero(used) >= _MIN_FRAMES:
             x, y = np.log(load[used]), grown[used]
             design = np.column_stack([np.ones_like(x), x])
-            residuals = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
-            found[k] = np.sqrt(np.mean(residuals**2))
+            found[k] = np.sqrt(np.mean((y - design @ np.linalg.lstsq(design, y, rcond=None)[0]) ** 2))
     return found.reshape(shifts.shape)
 
 
@@ -458,9 +454,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     path = Path(path)
     found = read_columns(path, *FORCE_COLUMNS, columns=columns)
     try:
-        signal = ForceSignal(
-            found["time"], found["force"], found.get("trigger"), displacement=found.get("displacement")
-        )
+        signal = ForceSignal(found["time"], found["force"], found.get("trigger"), found.get("displacement"))
         _check_press(signal)
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
@@ -507,7 +501,6 @@ def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | No
     Returns
     -------
     FrameStamps
-        In s.
 
     Raises
     ------

@@ -122,8 +122,7 @@ class Frames(Displayed):
         shape = None
         if start:
             with closing(self._decode(0, self.count)) as frames:
-                readable = (frame.pixels for frame in frames if frame.pixels is not None)
-                shape = next((pixels.shape[:2] for pixels in readable), None)
+                shape = next((frame.pixels.shape[:2] for frame in frames if frame.pixels is not None), None)
         for frame in _decoded_ahead(self._decode(start, min(stop, self.count))):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape[:2]
@@ -144,7 +143,6 @@ class Frames(Displayed):
         Returns
         -------
         Frame
-            The frame.
 
         Raises
         ------
@@ -163,11 +161,10 @@ class Frames(Displayed):
         The names differ in the number that they end in, and most of these grow by one step, which may be
         more than one.
         """
-        files = self._files
-        parts = [found.groups() for path in files if (found := _ENDS_IN_NUMBER.fullmatch(path.stem))]
-        if not len(files) == len(parts) >= _LEAST_NUMBERED or len({start for start, _ in parts}) > 1:
+        names = [_ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files]
+        number = np.array([int(name[2]) for name in names if name])
+        if not len(names) == len(number) >= _LEAST_NUMBERED or len({name and name[1] for name in names}) > 1:
             return None
-        number = np.array([int(end) for _, end in parts])
         steps = np.diff(number)
         usual = int(steps.min())
         if usual <= 0 or (steps % usual).any() or not 0.5 < np.mean(steps == usual) < 1:
@@ -191,8 +188,8 @@ class Frames(Displayed):
     @property
     def odd_names(self) -> str | None:
         """What to say of a folder's pictures that are not named as nearly all others; None without any."""
-        ends = {path.name: _ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files}
-        starts = {name: found and found.group(1) for name, found in ends.items()}
+        names = {path.name: _ENDS_IN_NUMBER.fullmatch(path.stem) for path in self._files}
+        starts = {name: found and found[1] for name, found in names.items()}
         usual, count = next(iter(Counter(starts.values()).most_common(1)), (None, 0))
         if usual is None or not _MOST_ALIKE * len(starts) <= count < len(starts):
             return None
@@ -207,11 +204,8 @@ class Frames(Displayed):
         return frame_files(self.path) if self.kind == "folder" else []
 
     def _decode(self, start: int, stop: int) -> Generator[Frame, None, None]:
-        if self.kind == "folder":
-            return _folder_frames(self, start, stop)
-        if self.kind == "tiff":
-            return _tiff_frames(self, start, stop)
-        return _video_frames(self, start, stop)
+        decoders = {"folder": _folder_frames, "tiff": _tiff_frames, "video": _video_frames}
+        return decoders[self.kind](self, start, stop)
 
 
 def _decoded_ahead(frames: Generator[Frame, None, None]) -> Iterator[Frame]:

@@ -1,7 +1,4 @@
-"""Measure the contact in every frame of a sequence, against time and force.
-
-Settings for all frames come from those that show the largest contact.
-"""
+"""Measure the contact in every frame of a sequence, against time and force."""
 
 from __future__ import annotations
 
@@ -75,11 +72,6 @@ class SequenceSettings(Displayed):
     learnt_from: tuple[int, ...]  # frames of the largest contact
     texture: FloatArray  # (count,); that of the `TextureScan`
 
-    @property
-    def min_texture(self) -> float:
-        """Texture below which a frame shows no contact that could be measured."""
-        return _MIN_TEXTURE * float(np.nanmax(self.texture))
-
 
 def _is_smooth(options: ContactImageOptions) -> bool:
     return options.get("surface") == "smooth"
@@ -145,8 +137,7 @@ def estimate_settings(
     # That of a smooth contact may have colours, and takes no part in this.
     limits: ContactImageOptions = {**options, "background": None} if _is_smooth(options) else options
     seen: list[tuple[int, ContactImageResult]] = []
-    reason: str | None = None
-    bordered = False
+    reason, bordered = "", False
     chosen: Iterable[Frame] = (frame for frame in frames if frame.index in scan.busiest)
     if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
         chosen = map(frames.at, scan.busiest)
@@ -160,11 +151,9 @@ def estimate_settings(
         except ImageError as error:
             reason = str(error)
     if not seen:
-        part = any(options.get(name) is not None for name in ("mask", "region_of_interest"))
-        hint = (
-            "; mask and region of interest must hold a contact and some of what surrounds it" if part else ""
-        )
-        raise ImageError(f"no contact found in any frame: {reason}{hint}")
+        if any(options.get(name) is not None for name in ("mask", "region_of_interest")):
+            reason += "; mask and region of interest must hold a contact and some of what surrounds it"
+        raise ImageError(f"no contact found in any frame: {reason}")
     polarity, _ = Counter(contact.dark_on_light for _, contact in seen).most_common(1)[0]
     alike = [(index, contact) for index, contact in seen if contact.dark_on_light == polarity]
     alike.sort(key=lambda entry: entry[1].contrast)
@@ -323,13 +312,14 @@ def measure_frames(
     scale = as_scale(scale)
     # Frames share a relative level: a threshold has gone into learning the contrast.
     read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
+    least_texture = _MIN_TEXTURE * float(np.nanmax(settings.texture))
     empty = "hardly differs from the background" if _is_smooth(options) else "is smooth"
 
     def measured(frame: Frame) -> FrameResult:
         if frame.pixels is None:
             return FrameResult(index=frame.index, readable=False, reason=frame.reason)
         try:
-            if texture_of(frame.pixels, scale, options) < settings.min_texture:
+            if texture_of(frame.pixels, scale, options) < least_texture:
                 reason = f"no contact found: the frame {empty} beside those of the largest contact"
                 return FrameResult(index=frame.index, reason=reason)
             contact_image = measure_contact_image(frame.pixels, scale, **read)

@@ -126,7 +126,6 @@ def sequence_summary(
     Returns
     -------
     SequenceSummary
-        Counts and notes.
 
     Examples
     --------
