@@ -166,7 +166,7 @@ def _neck(patch: BoolArray, period: float) -> npt.NDArray[np.int32] | None:
         if depth / 256 > _MIN_NOTCH * period
     }
     points = contour.reshape(-1, 2).astype(np.float64)
-    ratios = {}
+    ratios: dict[tuple[int, int], float] = {}
     for start, depth in notches.items():
         ends = [end for end in notches if end != start]
         ends += [_far_side(points, start)] if depth > _DEEP_NOTCH else []

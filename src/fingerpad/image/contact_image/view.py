@@ -236,8 +236,9 @@ def crop(
     """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
-    for name in ("threshold", "contrast", "ridge_period"):
-        if (value := options.get(name)) is not None:
+    levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
+    for name, value in {**levels, "ridge_period": options.get("ridge_period")}.items():
+        if value is not None:
             number = real_array(value, name, ImageError)
             if number.ndim or not 1e-15 < number < 1e15:
                 raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
