@@ -2,7 +2,7 @@
 
 import io
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
 _OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
@@ -14,6 +14,15 @@ _STYLES = (
     '<cellXfs><xf numFmtId="0"/><xf numFmtId="14"/><xf numFmtId="21"/><xf numFmtId="164"/></cellXfs>'
     "</styleSheet>"
 )
+
+
+def zipped(members: Mapping[str, str | bytes]) -> bytes:
+    """Return an archive of these members."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return target.getvalue()
 
 
 def workbook(sheet: str, shared: str = "", **extra: bytes) -> bytes:
@@ -31,11 +40,7 @@ def workbook(sheet: str, shared: str = "", **extra: bytes) -> bytes:
         "xl/sharedStrings.xml": f"<sst {MAIN}>{shared}</sst>",
         "xl/styles.xml": _STYLES,
     }
-    target = io.BytesIO()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in (parts | extra).items():
-            archive.writestr(name, content)
-    return target.getvalue()
+    return zipped(parts | extra)
 
 
 def sheet_xml(rows: Iterable[Iterable[object]], style: int = 0) -> str:

@@ -1,4 +1,4 @@
-"""Grids through the camera of `grid_scenes`: scale, rectification, and their uncertainty."""
+"""Grids through the camera of `benchmarks.truth.grids`: scale, rectification, and their uncertainty."""
 
 import math
 

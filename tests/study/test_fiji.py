@@ -3,7 +3,6 @@
 import json
 import math
 import struct
-import zipfile
 from functools import partial
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 from skimage.measure import find_contours, regionprops
 from tests import command
 from tests.studies import finger, write_study
+from tests.workbooks import zipped
 
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
@@ -188,16 +188,14 @@ def test_outlines_that_are_none_are_refused(corners, message):
         ellipse_of_polygon(corners)
 
 
-def zipped(folder: Path, members: dict[str, bytes]) -> Path:
+def roi_set(folder: Path, members: dict[str, bytes]) -> Path:
     path = folder / "RoiSet.zip"
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in members.items():
-            archive.writestr(name, content)
+    path.write_bytes(zipped(members))
     return path
 
 
 def test_a_set_of_rois_is_read_in_order(tmp_path):
-    path = zipped(tmp_path, {"b.roi": tilted(0), "a.roi": tilted(90), "c.roi": oval(0, 0, 8, 6)})
+    path = roi_set(tmp_path, {"b.roi": tilted(0), "a.roi": tilted(90), "c.roi": oval(0, 0, 8, 6)})
     found = read_rois(path)
     assert [ellipse.label for ellipse in found] == ["b", "a", "drawn"]
     assert [ellipse.source for ellipse in found] == [f"RoiSet.zip, {name}.roi" for name in "bac"]
@@ -218,14 +216,14 @@ def test_a_set_of_rois_is_read_in_order(tmp_path):
 )
 def test_sets_that_are_none_are_refused(tmp_path, members, message):
     with pytest.raises(ImageError, match=message):
-        read_rois(zipped(tmp_path, members))
+        read_rois(roi_set(tmp_path, members))
     assert [path.name for path in tmp_path.iterdir()] == ["RoiSet.zip"]  # nothing is unpacked
 
 
 def test_broken_zips_and_lost_files_are_refused(tmp_path):
     with pytest.raises(ImageError, match="cannot be read as a zip of ROIs"):
         read_rois(roi_file(tmp_path, b"no zip", "RoiSet.zip"))
-    whole = zipped(tmp_path, {"a.roi": tilted(0) * 50}).read_bytes()
+    whole = roi_set(tmp_path, {"a.roi": tilted(0) * 50}).read_bytes()
     with pytest.raises(ImageError):
         read_rois(roi_file(tmp_path, whole[:60] + b"\xff" * 20 + whole[80:], "torn.zip"))
     for name in ("lost.zip", "lost.roi"):
@@ -303,7 +301,7 @@ def test_units_are_asked_for_and_agree(tmp_path):
         table(tmp_path, as_table([{"Label": "a", "Major": 296.0 * size, "Minor": 200.0 * size}]), name)
         for name, size in sizes.items()
     )
-    rois, bad = zipped(tmp_path, {"a.roi": tilted(0)}), tmp_path / "bad.csv"
+    rois, bad = roi_set(tmp_path, {"a.roi": tilted(0)}), tmp_path / "bad.csv"
     common = ("--std-mm", 0.1, "--json", "--out")
     for number, arguments in enumerate([(in_px, "--mm-per-px", 0.05), (in_um, "--unit", "um")]):
         said = printed(*arguments, *common, tmp_path / f"{number}.csv")

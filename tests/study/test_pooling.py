@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks.claims import pooling
 from tests import studies
 from tests.study.measured import AXES, measured, pad
 
@@ -312,6 +313,13 @@ def test_an_edge_further_out_makes_the_exponent_smaller():
     # Contacts that lie on a line by chance are no better known than their areas.
     noisy = exponent(0.0, gross_area_mm2=50.0, gross_area_mm2_std=2.0, gross_area_mm2_noise_std=2.0)
     assert noisy == (plain, pytest.approx(0.04 / np.log(4) / 2**0.5))
+
+
+@pytest.mark.nightly
+def test_radii_pooled_over_contacts_are_unbiased_and_their_intervals_hold():
+    found = pooling.contacts(5, 0.03, 0.39, repeats=400)
+    assert (np.abs(found.bias) < 0.15).all()  # known to 0.04
+    assert ((found.covered > 0.92) & (found.covered < 0.98)).all()
 
 
 def test_the_interval_of_an_exponent_has_students_t_for_few_contacts():

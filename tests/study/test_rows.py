@@ -106,11 +106,19 @@ def test_a_stated_uncertainty_moves_what_it_must_and_no_other(tmp_path, stated, 
 
 def test_wedge_angle_by_first_order_and_by_monte_carlo(tmp_path):
     # dR_0g/dθ by the reference numbers: (9.982357 − 13.607666) mm over 15°, steeper than the mean at 30°.
-    row, drawn = (row_of(tmp_path, wedge_angle_deg_std=1, **how) for how in ({}, {"method": "monte_carlo"}))
+    thick = finger(std=1e-9, effective_thickness_mm=8, effective_thickness_mm_std=0.8)
+    row, drawn = (
+        row_of(tmp_path, pad=thick, wedge_angle_deg_std=1, **how) for how in ({}, {"method": "monte_carlo"})
+    )
+    at_30 = {"u_deg": 45.243495, "v_deg": 90, "in_plane_radius_mm": 12.955, "transverse_radius_mm": 14.330}
+    at_30 |= {"mean_curvature_radius_mm": 13.607666, "geometric_mean_radius_mm": 13.625}
+    assert {name: row[name] for name in at_30} == pytest.approx(at_30, abs=6e-4)
     assert 0.2 < row["mean_curvature_radius_mm_std"] < 0.35
     assert row["radius_from_indentation_mm_fixed_geometry_std"] < 1e-6
     assert row_of(tmp_path)["mean_curvature_radius_mm_std"] < 1e-6
-    for name in ("mean_curvature_radius_mm", "radius_from_indentation_mm", "youngs_modulus_kpa"):
+    of_layer = ("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm")
+    of_hertz = ("mean_curvature_radius_mm", "radius_from_indentation_mm", "youngs_modulus_kpa")
+    for name in of_hertz + of_layer:
         assert drawn[name] == row[name]
         assert drawn[f"{name}_std"] != row[f"{name}_std"]
         assert drawn[f"{name}_std"] == pytest.approx(row[f"{name}_std"], rel=0.03)

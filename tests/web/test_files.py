@@ -15,6 +15,7 @@ import pytest
 import tifffile
 from tests.study.test_archive import ODD_FILES, contents, write
 from tests.web.conftest import client_of, refused, serving
+from tests.workbooks import zipped
 
 from fingerpad.study.manifest.load import load_study
 from fingerpad.web.workspace import Workspace
@@ -208,14 +209,6 @@ def test_nothing_else_is_restored(client, studies_folder, number):
     assert (studies_folder / "demo/.removed/x").exists()
 
 
-def zipped(**files):
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return buffer.getvalue()
-
-
 STUDY = (
     'title = "t"\n[[fingers]]\nname = "a"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
     "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
@@ -223,7 +216,7 @@ STUDY = (
 
 
 def with_study(**files):
-    return zipped(**{"study.toml": STUDY}, **files)
+    return zipped({"study.toml": STUDY, **files})
 
 
 def bring(client, content, name="copy"):
@@ -253,7 +246,7 @@ BAD_ZIPS = {
     "bomb": lambda: with_study(**{"bomb.png": bytes(50_000_000)}),
     "symlink": symlink,
     "lying": lying,
-    "no study": lambda: zipped(**{"readme.txt": "x"}),
+    "no study": lambda: zipped({"readme.txt": "x"}),
     "no zip": lambda: b"PK\x03\x04 not really",
     "cut": lambda: with_study(**{"x.png": png()})[:-30],
 }
@@ -279,7 +272,7 @@ def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(studies_folde
 def test_a_zip_takes_no_others_place(client):
     assert bring(client, with_study(), "demo").status_code == 409
     assert bring(client, with_study(), "new").status_code == 201
-    assert bring(client, zipped(**{"top/study.toml": STUDY}), "second").json()["title"] == "t"
+    assert bring(client, zipped({"top/study.toml": STUDY}), "second").json()["title"] == "t"
 
 
 def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
