@@ -110,16 +110,16 @@ def storable(array: npt.NDArray[Any]) -> Pixels:
         return array.astype(np.float32)
 
 
-def top_level(levels: Pixels) -> float | None:
-    """Return the level of white of unsigned levels, None for others."""
-    return {np.dtype(np.uint8): 255.0, np.dtype(np.uint16): 65535.0}.get(levels.dtype)
+def top_level(levels: npt.NDArray[Any]) -> float:
+    """Return the level of white: the top of a type of integers, of others the largest level or 1."""
+    return float(np.iinfo(levels.dtype).max if levels.dtype.kind in "ui" else max(1.0, levels.max()))
 
 
 def eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
     """Return levels of any depth as 8 bits."""
     if levels.dtype == np.uint8:
         return np.asarray(levels, dtype=np.uint8)
-    top = top_level(levels) or max(1.0, float(levels.max()))
+    top = top_level(levels)
     eight = np.empty(levels.shape, dtype=np.uint8)
     for start in range(0, len(levels), _BLOCK_ROWS):
         rows = slice(start, start + _BLOCK_ROWS)
@@ -147,7 +147,7 @@ def reduced(pixels: npt.NDArray[Any], longest_px: int) -> npt.NDArray[Any]:
 def on_white(colour: npt.NDArray[Any], alpha: npt.NDArray[Any], *, premultiplied: bool = False) -> Pixels:
     """Return levels (rows, columns[, 3]) blended with white by their alpha (rows, columns)."""
     levels = storable(colour)
-    top = top_level(levels) or 1.0
+    top = top_level(levels) if levels.dtype.kind == "u" else 1.0
     laid = np.empty_like(levels)
     for start in range(0, len(levels), _BLOCK_ROWS):
         rows = slice(start, start + _BLOCK_ROWS)
@@ -208,9 +208,7 @@ def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
 
 def shares_of_top(pixels: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return levels as shares of the top of their type, those of floating point of the largest, or of 1."""
-    whole = pixels.dtype.kind in "ui"
-    top = np.iinfo(pixels.dtype).max if whole else max(1.0, float(pixels.max()))
-    return np.asarray(np.maximum(pixels, 0) / top)
+    return np.asarray(np.maximum(pixels, 0) / top_level(pixels))
 
 
 def srgb_levels(light: npt.NDArray[Any]) -> npt.NDArray[np.float32]:

@@ -264,7 +264,13 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
             raise FitError(f"no face given shows the {axis} semi-axis (given: {found}): add one of {showing}")
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
-    stated = _relative_covariance(faces, values)
+    # Of the logarithms, with the errors of scales that faces share.
+    keys = [place if one.scale is None else one.scale for place, one in enumerate(faces)]
+    scale = np.repeat([keys.index(key) for key in keys], 2)
+    scale_std = np.repeat([one.relative_scale_std for one in faces], 2)
+    stated = block_diag(*(one.covariance for one in faces)) / np.outer(values, values)
+    stated += np.where(scale[:, None] == scale, np.outer(scale_std, scale_std), 0.0)
+    stated += _MIN_RELATIVE_STD**2 * np.eye(values.size)
     # About the geometric means, that rounding stays small beside the disagreement.
     means = design.T @ np.log(values) / design.sum(axis=0)
     off = np.log(values) - design @ means
@@ -302,16 +308,6 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
         p_value=p_value,
         faces=faces,
     )
-
-
-def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) -> FloatArray:
-    """Return the stated covariance of all faces' logarithms, shape (n, n)."""
-    keys = [place if one.scale is None else one.scale for place, one in enumerate(faces)]
-    scale = np.repeat([keys.index(key) for key in keys], 2)
-    scale_std = np.repeat([one.relative_scale_std for one in faces], 2)
-    covariance = block_diag(*(one.covariance for one in faces)) / np.outer(values, values)
-    covariance += np.where(scale[:, None] == scale, np.outer(scale_std, scale_std), 0.0)
-    return np.asarray(covariance + _MIN_RELATIVE_STD**2 * np.eye(values.size))
 
 
 def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> str:

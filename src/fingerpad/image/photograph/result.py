@@ -307,7 +307,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         exponent=average.exponent,
         exponent_std=average.exponent_std,
     )
-    return replace(found, flags=_flags(found, arc))
+    return replace(found, flags=_flags(found))
 
 
 def photograph_fit(
@@ -349,9 +349,9 @@ def _fitted(arc: FaceArc) -> EllipseFit:
     return extend_arc(arc.xy, used, fit, arc.tilt) if arc.ends_known else fit
 
 
-def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
+def _flags(found: PhotographFit) -> frozenset[str]:
     """Return what makes a measurement doubtful."""
-    semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
+    arc, semi_px = found._arc, float(found.semi_axes.min()) / found.scale.mm_per_px
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
     by_lengths = np.diagonal(found.covariance_terms.get("lengths", np.zeros((2, 2))))
     no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse

@@ -339,7 +339,8 @@ def _seen(levels: Pixels, frames: Frames) -> Pixels:
     if not frames.colour or levels.ndim == 2:
         return luma(levels)
     apart = (levels.max(axis=2) - levels.min(axis=2)).max()
-    return levels if apart > _NEUTRAL * (top_level(levels) or levels.max()) else luma(levels)
+    white = top_level(levels) if levels.dtype.kind == "u" else levels.max()
+    return levels if apart > _NEUTRAL * white else luma(levels)
 
 
 def _open_tiff(path: Path) -> tuple[tifffile.TiffFile, int, str | None]:
