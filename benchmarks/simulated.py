@@ -56,9 +56,12 @@ def contact(
 ) -> Seen:
     """Return a contact image and what was measured in it: semi-axes, mm, sorted, and their covariance.
 
-    What the scale leaves open is added to the covariance.
+    What the scale leaves open is added to the covariance. The area is the ellipse's.
     """
     sizes = np.sort(np.asarray(axes, dtype=float))[::-1]
+    area, edge_std = float(np.pi * sizes.prod()), more.get("edge_offset_mm_std", 0.0)
+    noise = area * np.sqrt((1 / sizes) @ (covariance - edge_std**2) @ (1 / sizes))
+    edge = area * edge_std * (1 / sizes).sum()
     image: Any = {"name": name, "file": "x.png", "scale": "s", "finger": finger, "session": session}
     return Observation(wedge_angle_deg=wedge_deg, load_N=load, **image), Measurement(
         observation=name,
@@ -66,6 +69,10 @@ def contact(
         semi_major_mm=float(sizes[0]),
         semi_minor_mm=float(sizes[1]),
         covariance_mm2=covariance + relative_scale_std**2 * np.outer(sizes, sizes),
+        gross_area_mm2=area,
+        gross_area_mm2_std=float(np.hypot(np.hypot(noise, edge), 2 * relative_scale_std * area)),
+        gross_area_mm2_noise_std=float(noise),
+        gross_area_mm2_edge_std=float(edge),
         relative_scale_std=relative_scale_std,
         scale="s",
         **more,

@@ -11,7 +11,7 @@ from tests.studies import Table, contact, correct, finger, picture, run
 from fingerpad.image.read import read_resolution
 from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.results.table import Row, contact_areas, record_at, records
+from fingerpad.study.results.table import Row, record_at, records
 
 EXACT = {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0, "load_relative_std": 0}
 
@@ -210,7 +210,7 @@ def test_a_modulus_is_plausible_from_1_to_5000_kpa(tmp_path, load, notes):
 def test_an_entered_ellipse_has_the_area_of_both_axes_under_one_scale(tmp_path):
     alike = contact(std=0.1, scale={"mm_per_px": 0.05, "relative_std": 0.05})
     result = run(tmp_path, finger(), alike)
-    _, area_std = contact_areas(result.rows)
+    area_std = result.rows["gross_area_mm2_std"]
     (at_load,) = result.by_load
     # By load there is the error of the load beside it.
     of_load = at_load.contact_area_mm2 * 2 / 3 * result.study.uncertainty.load_relative_std

@@ -32,7 +32,7 @@ from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import PlacementKey, UncertaintyCheckRecord
-from fingerpad.study.results.table import Indices, Row, contact_areas, records
+from fingerpad.study.results.table import Indices, Row, records
 from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.uncertainty import Agreement
 from fingerpad.units import KPA_PER_MPA
@@ -111,14 +111,14 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     if has_pad:
         yield from _pad_plots(result, summary, rows, last)
     if np.ptp(rows["load_N"].to_numpy()) > 0:
-        exponent, (area, area_std) = area_exponent(summary.areas), contact_areas(rows)
+        exponent = area_exponent(summary.areas)
         yield Plot(
             name=f"{name}_area",
             figure=panel(
                 figures.plot_area_against_load,
                 rows["load_N"],
-                area,
-                area_std=area_std,
+                rows["gross_area_mm2"],
+                area_std=rows["gross_area_mm2_std"],
                 exponent=exponent.value,
                 exponent_std=exponent.std,
                 synthetic=synthetic,
@@ -465,7 +465,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
 
 
 def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, Any]:
-    return _points(rows, *contact_areas(rows))
+    return _points(rows, rows["gross_area_mm2"], rows["gross_area_mm2_std"])
 
 
 def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:

@@ -4,6 +4,7 @@ Pictures that two persons outlined, the second without seeing what the first dre
 """
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -215,10 +216,16 @@ def _given_ellipse(ellipse: ContactEllipse, made_with: FoundScale | None) -> Mea
     """Return an ellipse measured elsewhere; both axes share the error of its scale."""
     axes = np.array([ellipse.semi_major, ellipse.semi_minor])
     relative = made_with.scale.relative_std if made_with else 0.0
+    area = math.pi * ellipse.semi_major * ellipse.semi_minor
+    noise = area * ellipse.std * math.hypot(1 / ellipse.semi_major, 1 / ellipse.semi_minor)
     return Measurement(
         semi_major_mm=ellipse.semi_major,
         semi_minor_mm=ellipse.semi_minor,
         covariance_mm2=ellipse.std**2 * np.eye(2) + relative**2 * np.outer(axes, axes),
+        gross_area_mm2=area,
+        gross_area_mm2_std=math.hypot(noise, 2 * relative * area),
+        gross_area_mm2_noise_std=noise,
+        gross_area_mm2_edge_std=0.0,
         long_axis=ellipse.long_axis,
         scale=made_with.name if made_with else None,
         relative_scale_std=relative,

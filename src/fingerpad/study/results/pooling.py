@@ -21,8 +21,7 @@ from fingerpad.uncertainty.propagate import NORMAL_97_5
 # From which exponents and checks of areas follow.
 _OF_AREAS: Final = (
     *("observation", "sequence", "scale", "pooled", "load_N", "edge_offset_mm_std"),
-    *("semi_major_mm", "semi_minor_mm", "semi_major_mm_noise_std", "semi_minor_mm_noise_std"),
-    *("gross_area_mm2", "gross_area_mm2_noise_std"),
+    *("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "gross_area_mm2_noise_std"),
 )
 
 
@@ -81,13 +80,8 @@ def edges_of(rows: pd.DataFrame) -> list[FloatArray]:
 
 
 def area_noise(rows: pd.DataFrame) -> FloatArray:
-    """Return the relative standard uncertainty of the ellipse's area from errors of its own image."""
-    major, minor = (
-        rows[f"{axis}_mm_noise_std"].to_numpy() / rows[f"{axis}_mm"].to_numpy()
-        for axis in ("semi_major", "semi_minor")
-    )
-    noise = rows["gross_area_mm2_noise_std"].to_numpy() / rows["gross_area_mm2"].to_numpy()
-    return as_float_array(np.where(np.isfinite(noise), noise, np.hypot(major, minor)))
+    """Return the relative standard uncertainty of the area from errors of its own image."""
+    return as_float_array(rows["gross_area_mm2_noise_std"] / rows["gross_area_mm2"])
 
 
 # Sources that contacts share, parts that a contact shares with no other, and parts of second order.

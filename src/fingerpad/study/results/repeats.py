@@ -20,7 +20,6 @@ from fingerpad.study.measuring import contacts
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART, contact_inputs
-from fingerpad.study.results.pooling import area_noise
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary_file import (
     AT_LOAD,
@@ -31,7 +30,7 @@ from fingerpad.study.results.summary_file import (
     ScatterRecord,
     ValidityRecord,
 )
-from fingerpad.study.results.table import GrowingArray, Indices, contact_areas, groups, items, numbered
+from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
 from fingerpad.study.results.validity.checks import HERTZ_EXPONENT, PRESS_STD
 from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED, RADIUS
 from fingerpad.uncertainty import NestedScatter, ScatterComponent, nested_scatter, pad_model
@@ -49,10 +48,11 @@ SCATTER_OF: Final = (
 _BETWEEN: Final = ("person", "finger")
 # Columns from which `contact_quantity` finds `SCATTER_OF`.
 QUANTITY_COLUMNS: Final = (
-    *("gross_area_mm2", "semi_major_mm", "semi_minor_mm", "aspect_ratio"),
-    *("ridge_area_mm2", "flags", "youngs_modulus_kpa", "radius_from_indentation_mm"),
+    *("gross_area_mm2", "aspect_ratio", "ridge_area_mm2", "flags"),
+    *("youngs_modulus_kpa", "radius_from_indentation_mm"),
 )
 _AT_ONCE: Final = 500
+_AREA: Final = "gross_area_mm2"
 # An area is unlike its repeats from so many usual deviations on, and from this difference of logarithms; a
 # median of three is the least, and so many deviations tell what is usual.
 _UNLIKE, _LEAST_UNLIKE, _FEWEST_REPEATS, _ENOUGH = 5.0, 0.2, 3, 6
@@ -293,15 +293,11 @@ def _off_line(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
-    """Return one of `SCATTER_OF`; without an image the area is the ellipse's. NaN is unknown."""
-    if quantity == "contact_area":
-        gross = rows["gross_area_mm2"].to_numpy()
-        ellipse = np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()
-        return as_float_array(np.where(np.isfinite(gross), gross, ellipse))
+    """Return one of `SCATTER_OF`; NaN is unknown."""
     if quantity == "ridge_area":
         merged = [contacts.RIDGES_MERGE in (flags or "").split() for flags in items(rows["flags"])]
         return np.where(merged, np.nan, rows["ridge_area_mm2"].to_numpy())
-    columns = {"youngs_modulus": MODULUS, "radius_from_indentation": RADIUS}
+    columns = {"contact_area": _AREA, "youngs_modulus": MODULUS, "radius_from_indentation": RADIUS}
     return as_float_array(rows[columns.get(quantity, quantity)].to_numpy())
 
 
@@ -416,10 +412,9 @@ def _at_loads(
     synthetic = bool(key[-1])
     repeatability = of.repeatability[synthetic]
     freedom = float(repeatability.freedom) if repeatability.known else math.inf
-    area = contact_quantity(rows, "contact_area")
-    noise, by_image = area * area_noise(rows), np.isfinite(rows["gross_area_mm2"].to_numpy())
-    edge = np.where(by_image, rows["gross_area_mm2_edge_std"].to_numpy(), 0.0)
-    total = contact_areas(rows)[1].to_numpy()
+    area, noise, edge, total = (
+        rows[f"{_AREA}{end}"].to_numpy() for end in ("", "_noise_std", "_edge_std", "_std")
+    )
     repeats = area * repeatability.area_std
     # The load is in error, and the area is that of another load. The scatter of repeats has what differs.
     load = of.study.uncertainty.load_relative_std * (not repeatability.known)
@@ -482,7 +477,6 @@ _PARTS: Final = ("noise", "repeatability", "edge")
 _COLUMNS: Final = (
     *(*PLACEMENT, "session", "load_N", "scale", *QUANTITY_COLUMNS),
     *("gross_area_mm2_std", "gross_area_mm2_noise_std", "gross_area_mm2_edge_std"),
-    *("semi_major_mm_std", "semi_major_mm_noise_std", "semi_minor_mm_std", "semi_minor_mm_noise_std"),
     "youngs_modulus_kpa_std",
     *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),
     f"{_ON_LAYER}_kpa",

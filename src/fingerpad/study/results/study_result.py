@@ -28,7 +28,7 @@ from fingerpad.study.results import summary_file
 from fingerpad.study.results.pooling import PooledRadius, Summary, exponent_keys, pool_contacts
 from fingerpad.study.results.repeats import contact_repeatability, pool_by_load, study_scatter
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.table import contact_areas, groups, records
+from fingerpad.study.results.table import groups, records
 from fingerpad.study.results.validity.checks import validity_of, with_verdicts
 from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.uncertainty.repeats import ContactRepeatability
@@ -257,7 +257,6 @@ def _placement(
     counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
     # Places are by load: the last is that of the highest.
     highest = summary.table.iloc[counts[-1:]]  # one row, or none
-    area, area_std = contact_areas(highest)
     radius = validity.headlines[RADIUS]
     return summary_file.PlacementRecord.of(
         summary,
@@ -269,8 +268,8 @@ def _placement(
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
         highest_load_N=highest["load_N"].max(),
-        highest_area_mm2=area.max(),
-        highest_area_mm2_std=area_std.max(),
+        highest_area_mm2=highest["gross_area_mm2"].max(),
+        highest_area_mm2_std=highest["gross_area_mm2_std"].max(),
         **exponent_keys(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,

@@ -111,20 +111,6 @@ def table_of(
     return pd.DataFrame(columns, index=index, copy=False)
 
 
-def contact_areas(rows: pd.DataFrame) -> "tuple[pd.Series[float], pd.Series[float]]":
-    """Return areas with standard uncertainties: of the ellipse where it was given in place of an image."""
-    axes = rows[["semi_major_mm", "semi_minor_mm"]].to_numpy()
-    ellipse = pd.Series(np.pi * axes.prod(axis=1), rows.index)
-    total, noise = (
-        rows.reindex(columns=[f"{axis}_mm{end}" for axis in ("semi_major", "semi_minor")]).to_numpy() / axes
-        for end in ("_std", "_noise_std")
-    )
-    noise = np.where(np.isnan(noise), total, noise)  # a table without all columns does not tell them apart
-    shared = np.sqrt(np.maximum(total**2 - noise**2, 0)).sum(axis=1)  # both axes are off alike by their scale
-    std = rows["gross_area_mm2_std"].fillna(ellipse * np.sqrt((noise**2).sum(axis=1) + shared**2))
-    return rows["gross_area_mm2"].fillna(ellipse), std
-
-
 class GrowingArray:
     """An array that is added to at its end, in place: lists of parts would be held twice when joined.
 

@@ -21,7 +21,7 @@ from fingerpad.report.text import check_words, pooling_words, remedies
 from fingerpad.study.corrections.log import ActiveCorrection, CorrectedPooling
 from fingerpad.study.results import output
 from fingerpad.study.results.summary_file import PLACEMENT, PlacementKey, UncertaintyCheckRecord
-from fingerpad.study.results.table import COLUMNS, Row, contact_areas, items, records
+from fingerpad.study.results.table import COLUMNS, Row, items, records
 from fingerpad.web.answers import Answer, Cell, Quantity, RequestError, unit_of, with_unit
 from fingerpad.web.api.base import Opened, Params, Query, here, router
 from fingerpad.web.glossary import GLOSSARY
@@ -259,9 +259,7 @@ def plot(opened: Opened, quantity: Plotted | None = None) -> list[PlottedGroup]:
     active = opened.corrections.active_corrections()
     placed: dict[PlacementKey, list[Row]] = {one.key: [] for one in found.summary.summaries}
     # All at once: pandas takes longer to choose the rows of a placement than there is to do with them.
-    rows = found.table[[*_OF_ROWS]]
-    area, area_std = contact_areas(rows)
-    for row in records(rows.assign(gross_area_mm2=area, gross_area_mm2_std=area_std)):
+    for row in records(found.table[[*_OF_ROWS]]):
         key = tuple(row[name] for name in PLACEMENT)
         if key in placed:
             # On a given pad only its standard uncertainty differs.
