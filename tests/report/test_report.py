@@ -236,6 +236,13 @@ def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo):
     assert words.partition(" ± ")[0] in page
 
 
+def test_a_finger_has_one_note_of_its_moduli_however_many_angles_they_are_at(tmp_path):
+    sizes = {20: (4, 3.5), 30: (4.05, 3.55), 40: (3, 2.6), 50: (2.5, 2.2)}
+    given = [contact(f"c{deg}", 1, axes, std=0.02, wedge=deg) for deg, axes in sizes.items()]
+    (words,) = moduli_apart(answers_of(run(tmp_path, finger(), *given)))
+    assert re.search(r" at 30° and .* at 50° are .* apart, the furthest of \d pairs, and one tissue", words)
+
+
 def test_manifest_text_escaped(tmp_path):
     result = run(tmp_path, finger(), title="<script>alert(1)</script> & sons")
     text = write_report(result, tmp_path / "out").read_text(encoding="utf-8")

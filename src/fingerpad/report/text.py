@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
+from operator import itemgetter
 from typing import Any, Final
 
 import numpy as np
@@ -359,27 +360,31 @@ def curve_words(curve: CurveResult, result: StudyResult) -> dict[str, Any]:
 
 
 def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
-    """Yield where a finger's modulus differs between two angles, under like loads, by more than chance."""
+    """Yield which moduli of a finger at two angles, under like loads, differ most, if by more than chance."""
     by_finger: dict[tuple[str, bool, bool], list[Answer]] = {}
     for one in answers:
         by_finger.setdefault((one.of.finger, one.of.synthetic, one.on_bone), []).append(one)
     for found in by_finger.values():
-        for first, second in combinations(found, 2):
-            apart = abs(first.modulus - second.modulus) / math.hypot(first.modulus_std, second.modulus_std)
-            ratio, loads = second.modulus / first.modulus, second.modulus_load / first.modulus_load
-            if (
-                apart > _MOST_APART
-                and abs(math.log(ratio)) > math.log(_FAR_APART)
-                and abs(math.log(loads)) < math.log(_LIKE_LOADS)
-            ):
-                both = " and ".join(
-                    f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at {one.angles}"
-                    for one in (first, second)
-                )
-                yield (
-                    f"{first.of.finger}: the moduli {both} are {apart:.1f} standard uncertainties apart, and "
-                    "one tissue has one: state each with its angle, and check angles, semi-axes and thickness"
-                )
+        pairs = [(_apart(*pair), pair) for pair in combinations(found, 2)]
+        apart = [one for one in pairs if one[0] > _MOST_APART]
+        if apart:
+            most, pair = max(apart, key=itemgetter(0))
+            both = " and ".join(
+                f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at {one.angles}" for one in pair
+            )
+            of = f", the furthest of {len(apart)} pairs" if len(apart) > 1 else ""
+            yield (
+                f"{pair[0].of.finger}: the moduli {both} are {most:.1f} standard uncertainties apart{of}, "
+                "and one tissue has one: state each with its angle, and check angles, semi-axes and thickness"
+            )
+
+
+def _apart(first: Answer, second: Answer) -> float:
+    """Return how many standard uncertainties two moduli differ by; 0 if by little, or if loads differ."""
+    ratio, loads = second.modulus / first.modulus, second.modulus_load / first.modulus_load
+    if abs(math.log(ratio)) > math.log(_FAR_APART) and abs(math.log(loads)) < math.log(_LIKE_LOADS):
+        return abs(first.modulus - second.modulus) / math.hypot(first.modulus_std, second.modulus_std)
+    return 0.0
 
 
 def why_not_pooled(summary: Summary) -> str:
