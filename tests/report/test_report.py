@@ -236,11 +236,17 @@ def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo):
     assert words.partition(" ± ")[0] in page
 
 
-def test_a_finger_has_one_note_of_its_moduli_however_many_angles_they_are_at(tmp_path):
+def test_there_is_one_note_of_moduli_however_many_angles_and_fingers_they_are_of(tmp_path):
     sizes = {20: (4, 3.5), 30: (4.05, 3.55), 40: (3, 2.6), 50: (2.5, 2.2)}
-    given = [contact(f"c{deg}", 1, axes, std=0.02, wedge=deg) for deg, axes in sizes.items()]
-    (words,) = moduli_apart(answers_of(run(tmp_path, finger(), *given)))
-    assert re.search(r" at 30° and .* at 50° are .* apart, the furthest of \d pairs, and one tissue", words)
+    given = [
+        contact(f"{name}{deg}", 1, axes, std=std, wedge=deg, finger=name)
+        for name, std in (("a", 0.05), ("b", 0.02))
+        for deg, axes in sizes.items()
+    ]
+    (words,) = moduli_apart(answers_of(run(tmp_path, finger("a"), finger("b"), *given)))
+    assert re.search(
+        r"^b: .* at 30° and .* at 50° are .* the furthest of 5 pairs, as moduli of a are too;", words
+    )
 
 
 def test_manifest_text_escaped(tmp_path):

@@ -360,23 +360,30 @@ def curve_words(curve: CurveResult, result: StudyResult) -> dict[str, Any]:
 
 
 def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
-    """Yield which moduli of a finger at two angles, under like loads, differ most, if by more than chance."""
+    """Yield which moduli of a finger at two angles, under like loads, differ most beyond chance."""
     by_finger: dict[tuple[str, bool, bool], list[Answer]] = {}
     for one in answers:
         by_finger.setdefault((one.of.finger, one.of.synthetic, one.on_bone), []).append(one)
-    for found in by_finger.values():
-        pairs = [(_apart(*pair), pair) for pair in combinations(found, 2)]
-        apart = [one for one in pairs if one[0] > _MOST_APART]
-        if apart:
-            most, pair = max(apart, key=itemgetter(0))
-            both = " and ".join(
-                f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at {one.angles}" for one in pair
-            )
-            of = f", the furthest of {len(apart)} pairs" if len(apart) > 1 else ""
-            yield (
-                f"{pair[0].of.finger}: the moduli {both} are {most:.1f} standard uncertainties apart{of}, "
-                "and one tissue has one: state each with its angle, and check angles, semi-axes and thickness"
-            )
+    far = [
+        (apart, pair)
+        for found in by_finger.values()
+        for pair in combinations(found, 2)
+        if (apart := _apart(*pair)) > _MOST_APART
+    ]
+    if not far:
+        return
+    most, pair = max(far, key=itemgetter(0))
+    pairs = Counter(first.of.finger for _, (first, _) in far)
+    count = pairs.pop(finger := pair[0].of.finger)
+    both = " and ".join(
+        f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at {one.angles}" for one in pair
+    )
+    of = f", the furthest of {count} pairs" if count > 1 else ""
+    also = f", as moduli of {joined(pairs, _MOST_NAMED)} are too" if pairs else ""
+    yield (
+        f"{finger}: the moduli {both} are {most:.1f} standard uncertainties apart{of}{also}; one tissue has "
+        "one: state each with its angle, and check angles, semi-axes and thickness"
+    )
 
 
 def _apart(first: Answer, second: Answer) -> float:

@@ -256,7 +256,8 @@ def _placement(
     framed = summary.column("frame").notna()
     counts = summary.places[summary.column("pooled") & (summary.column("load_N") > 0)]
     # Places are by load: the last is that of the highest.
-    highest = summary.table.iloc[counts[-1:]]  # one row, or none
+    of_highest = summary.table[["load_N", "gross_area_mm2", "gross_area_mm2_std"]].iloc[counts[-1:]]
+    load, area, area_std = of_highest.max()  # of one row; NaN of none
     radius = validity.headlines[RADIUS]
     return summary_file.PlacementRecord.of(
         summary,
@@ -267,9 +268,9 @@ def _placement(
         **_pooled("radius_from_compliance", summary.compliance_radius),
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
-        highest_load_N=highest["load_N"].max(),
-        highest_area_mm2=highest["gross_area_mm2"].max(),
-        highest_area_mm2_std=highest["gross_area_mm2_std"].max(),
+        highest_load_N=load,
+        highest_area_mm2=area,
+        highest_area_mm2_std=area_std,
         **exponent_keys(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,

@@ -21,7 +21,7 @@ from pydantic import (
 )
 
 from fingerpad._csv import package_table
-from fingerpad._json import dumps, plain
+from fingerpad._json import plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
 
@@ -618,7 +618,7 @@ class SummaryFile(Record):
 
     def text(self) -> str:
         """Return the content of the file."""
-        return dumps(self.model_dump(exclude_unset=True), indent=1) + "\n"
+        return self.model_dump_json(exclude_unset=True, indent=1) + "\n"
 
     @classmethod
     def read(cls, folder: Path) -> Self:

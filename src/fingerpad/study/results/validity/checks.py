@@ -6,8 +6,9 @@ question.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -60,11 +61,18 @@ _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
+# What first-order propagation gives of a contact, by model and output: values with their uncertainties.
+_Estimates: TypeAlias = Mapping[tuple[str, str], tuple[float, float]]
+
+
 class FingerAtAngle:
     """A finger at an angle: its contacts, the one at the highest load, its loading data, and their checks."""
 
-    def __init__(self, rows: Rows, summary: Summary, curves: Sequence[CurveResult]) -> None:
+    def __init__(
+        self, rows: Rows, summary: Summary, curves: Sequence[CurveResult], at_highest_load: _Estimates
+    ) -> None:
         self.study, self.pad, self.summary = rows.study, rows.fingers[summary.finger], summary
+        self.at_highest_load = at_highest_load
         # The contact at the highest load of those that count, and its row; None where none counts.
         highest = self.highest = rows.highest_load.get(summary.key)
         self.highest_row = highest and record_at(
@@ -268,30 +276,56 @@ class Shape(NamedTuple):
         return check.of_ratio(value, reference, degrees_of_freedom=self.freedom, note=note)
 
 
-def measured_shape(case: FingerAtAngle) -> Shape | None:
+def _elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
+    # Another press under the same load has another shape.
+    half = np.exp(0.5 * (inputs["elongation"] + inputs["elongation_deviation"]))
+    radius, edge = inputs["image_scale"] * inputs["contact_radius"], inputs["edge_offset"]
+    return {
+        "measured": np.log(radius * half + edge) - np.log(radius / half + edge),
+        "predicted": pad_model(**inputs)["predicted_elongation"],
+    }
+
+
+def _at_highest_loads(rows: Rows) -> dict[summary_file.PlacementKey, _Estimates]:
+    """Return shape, and E and ξ of the whole pad, of the contacts at highest loads, all at once."""
+    highest = rows.highest_load
+    if not highest:
+        return {}
+    each = [one.inputs for one in highest.values()]
+    mean, covariance = (np.stack([getattr(one, name) for one in each]) for name in ("mean", "covariance"))
+    inputs = replace(each[0], mean=mean, covariance=covariance)
+    pads = [rows.fingers[finger].manifest for finger, *_ in highest]
+    thickness = np.array([one.effective_thickness_mm or one.pad_thickness_mm or math.inf for one in pads])
+    std = np.array([one.effective_thickness_mm_std or 0.0 for one in pads])
+    found = {"shape": propagate(_elongations, inputs)}
+    with np.errstate(all="ignore"):
+        found["half_space"] = propagate(layer_model, with_thickness(inputs, math.inf, 0.0))
+        if np.isfinite(thickness).any():
+            found["layer"] = propagate(layer_model, with_thickness(inputs, thickness, std))
+    columns = {
+        (model, name): zip(value, std, strict=True)
+        for model, one in found.items()
+        for name, value, std in zip(one.names, one.value.T.tolist(), one.std.T.tolist(), strict=True)
+    }
+    by_contact = zip(*columns.values(), strict=True)
+    return {key: dict(zip(columns, one, strict=True)) for key, one in zip(highest, by_contact, strict=True)}
+
+
+def _measured_shape(case: FingerAtAngle) -> Shape | None:
     """Return the shape of the contact at the highest load; None without one."""
     row = case.highest_row
-    if case.highest is None or row is None:
+    if row is None:
         return None
-
-    def elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
-        # Another press under the same load has another shape.
-        half = np.exp(0.5 * (inputs["elongation"] + inputs["elongation_deviation"]))
-        radius, edge = inputs["image_scale"] * inputs["contact_radius"], inputs["edge_offset"]
-        return {
-            "measured": np.log(radius * half + edge) - np.log(radius / half + edge),
-            "predicted": pad_model(**inputs)["predicted_elongation"],
-        }
-
-    found = propagate(elongations, case.highest.inputs)
     direction = {"along": 1.0, "across": -1.0}.get(row["long_axis"] or "")
     if row["orientation_deg"] is not None:
         direction = math.cos(2 * math.radians(row["orientation_deg"]))
-    std, predicted_std = float(found["measured"].std), float(found["predicted"].std)
+    (measured, std), (predicted, predicted_std) = (
+        case.at_highest_load["shape", name] for name in ("measured", "predicted")
+    )
     return Shape(
-        measured=float(found["measured"].value) * (1.0 if direction is None else direction),
+        measured=measured * (1.0 if direction is None else direction),
         std=std,
-        predicted=float(found["predicted"].value),
+        predicted=predicted,
         predicted_std=predicted_std,
         known=direction is not None,
         freedom=_freedom(case.repeat_freedom, std**2, std**2 + predicted_std**2),
@@ -341,28 +375,19 @@ def _errors(
         widest = f"a/R = {ratio:.2f}, the widest in range"
         size += f": {FLAGS['layer'][flag].words}; off by at least this, the error at {widest}"
     exact = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"] / float(better.load[last])
-    stds = dict.fromkeys(checks, math.nan) if flag else _relative_stds(case, thickness)
-    for name, value, reference in (
-        (MODULUS, row[MODULUS] * share**-1.5, exact),
-        (INDENTATION, row[INDENTATION] * share, float(better.indentation[last])),
+    model = "half_space" if thickness is None else "layer"
+    for name, output, value, reference in (
+        (MODULUS, "youngs_modulus_on_layer", row[MODULUS] * share**-1.5, exact),
+        (INDENTATION, "indentation_on_layer", row[INDENTATION] * share, float(better.indentation[last])),
     ):
         std = row[f"{name}_std"] * value / row[name]
-        found = checks[name].of_known_error((value, std), (reference, stds[name] * reference), size)
+        of_pad, of_pad_std = case.at_highest_load[model, output]
+        reference_std = math.nan if flag else of_pad_std / of_pad * reference
+        found = checks[name].of_known_error((value, std), (reference, reference_std), size)
         if flag:  # values of a narrower contact under this load are none of this contact's
             unknown = ("value", "value_std", "reference", "reference_std", "difference")
             found = found.with_fields(**dict.fromkeys(unknown, math.nan))
         yield found
-
-
-def _relative_stds(case: FingerAtAngle, thickness: float | None) -> dict[str, float]:
-    """Return relative standard uncertainties of E and ξ of the whole pad at the highest load."""
-    assert case.highest is not None
-    std = 0.0 if thickness is None else case.pad.manifest.effective_thickness_mm_std or 0.0
-    inputs = with_thickness(case.highest.inputs, math.inf if thickness is None else thickness, std)
-    with np.errstate(all="ignore"):
-        found = propagate(layer_model, inputs)
-    of = {MODULUS: found["youngs_modulus_on_layer"], INDENTATION: found["indentation_on_layer"]}
-    return {name: float(one.std) / float(one.value) for name, one in of.items()}
 
 
 # Loads at which a curve is compared, relative to its highest.
@@ -575,7 +600,7 @@ def _relative(quantity: LayerQuantity, source: str) -> float:
 
 
 def _shape_check(case: FingerAtAngle) -> ValidityCheck:
-    shape, row, pad = measured_shape(case), case.highest_row, case.pad
+    shape, row, pad = _measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
         return CHECKS["shape_on_layer"].untested(case.nothing)
     form = law_form(
@@ -593,7 +618,8 @@ def validity_of(
     rows: Rows, summaries: Sequence[Summary], curves: Sequence[CurveResult]
 ) -> list[summary_file.ValidityRecord]:
     """Check Hertz theory at each finger and angle; its discrepancy is that of all real or synthetic."""
-    cases = [FingerAtAngle(rows, one, curves) for one in summaries]
+    estimates = _at_highest_loads(rows)
+    cases = [FingerAtAngle(rows, one, curves, estimates.get(one.key, {})) for one in summaries]
     routes = {
         (synthetic, route): _discrepancy(
             found
@@ -608,7 +634,7 @@ def validity_of(
 
 def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
-    shape, check = measured_shape(case), CHECKS["shape"]
+    shape, check = _measured_shape(case), CHECKS["shape"]
     found = (
         *(() if RADIUS in case.of_curves else (_radius_check(case),)),
         *(_curve_checks(case) if case.fits else _from_loading_radius(case)),
