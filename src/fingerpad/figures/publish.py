@@ -154,6 +154,8 @@ def figure_file(
 
 def with_settings(figure: Figure, settings: FigureSettings) -> Figure:
     """Return a figure as the settings want it."""
+    if settings == FigureSettings():
+        return figure
     colours = dict(zip(figure_colours(figure), map(to_hex, settings.each_colour()), strict=False))
     panels = [replace(one, marks=[_recoloured(mark, colours) for mark in one.marks]) for one in figure.panels]
     for name in _AXES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import ndtri
@@ -119,11 +120,10 @@ def run_monte_carlo(
             "digits must be at least 1 and min_draws at most max_draws, "
             f"found {digits}, {min_draws}, {max_draws}"
         )
-    random = np.random.default_rng(seed)
     batches: list[tuple[FloatArray, ...]] = []
     draws = 0
     while len(batches) < max(2, -(-min_draws // _BATCH)) or len(batches) * _BATCH < max_draws:
-        drawn = mean + _normal_points(_BATCH, mean.size, random) @ root.T
+        drawn = mean + _normal_points(_BATCH, mean.size, seed, len(batches)) @ root.T
         names, outputs = evaluate(model, inputs.names, drawn)
         outputs = outputs[np.isfinite(outputs).all(axis=-1)]
         if 2 * len(outputs) < _BATCH:
@@ -140,11 +140,16 @@ def run_monte_carlo(
     return _combined(names, batches, draws, digits)
 
 
-def _normal_points(count: int, size: int, random: np.random.Generator) -> FloatArray:
-    """Return standard normal points of a Sobol' sequence with a new scrambling, shape (count, size)."""
+@lru_cache(maxsize=32)
+def _normal_points(count: int, size: int, seed: int, number: int) -> FloatArray:
+    """Return standard normal points of a Sobol' sequence with a scrambling of its own, shape (count, size).
+
+    They are kept: with one seed all contacts of a study have the same.
+    """
     from scipy.stats import qmc  # noqa: PLC0415 (slow to import, seldom needed)
 
-    points = qmc.Sobol(size, bits=_BITS, rng=random.spawn(1)[0]).random(count)
+    random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    points = qmc.Sobol(size, bits=_BITS, rng=random).random(count)
     return np.asarray(ndtri(points + 0.5**_BITS / 2))  # never 0, whose quantile is infinite
 
 
@@ -325,10 +330,8 @@ def sobol_indices(
     def at(points: FloatArray) -> FloatArray:
         return evaluate(model, inputs.names, points)[1]
 
-    random = np.random.default_rng(seed)
-
-    def once() -> tuple[FloatArray, FloatArray]:
-        normal = _normal_points(draws, 2 * size, random)
+    def once(number: int) -> tuple[FloatArray, FloatArray]:
+        normal = _normal_points(draws, 2 * size, seed, number)
         inputs_a, inputs_b = mean + normal[:, :size] @ root.T, mean + normal[:, size:] @ root.T
         a, b = at(inputs_a), at(inputs_b)
         variance = np.concatenate([a, b]).var(axis=0)
@@ -341,7 +344,7 @@ def sobol_indices(
             total.append(0.5 * np.square(a - ab).mean(axis=0) / variance)
         return np.stack(first, axis=-1), np.stack(total, axis=-1)
 
-    first, total = (np.stack(parts) for parts in zip(*(once() for _ in range(_REPEATS)), strict=True))
+    first, total = (np.stack(parts) for parts in zip(*map(once, range(_REPEATS)), strict=True))
 
     def by_source(shares: FloatArray) -> dict[str, float]:
         return dict(zip(inputs.groups, map(float, shares), strict=True))
