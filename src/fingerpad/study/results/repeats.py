@@ -353,9 +353,9 @@ def _mean(name: str, of: _Quantity, chosen: BoolArray, *, freedom: float, sessio
     values, scatter, ends = of.values[chosen], of.scatter, ("", *AT_LOAD, "_model_std")
     if not (count := values.size):
         return dict.fromkeys((f"{name}{end}" for end in ends), math.nan)
-    relative = {part: np.nan_to_num(std[chosen]) / values for part, std in of.parts.items()}
+    relative = {part: np.fmax(std[chosen], 0) / values for part, std in of.parts.items()}
     apart = sum(each**2 for each in relative.values())
-    whole = (np.nan_to_num(of.total[chosen]) / values) ** 2
+    whole = (np.fmax(of.total[chosen], 0) / values) ** 2
     rest = np.where(whole - apart > _ROUNDING * whole, whole - apart, 0.0)
     other = float(np.mean(np.sqrt(rest)))
     noise, repeat = (
@@ -363,15 +363,16 @@ def _mean(name: str, of: _Quantity, chosen: BoolArray, *, freedom: float, sessio
     )
     edge = float(np.mean(relative["edge"]))
     session = scatter.log_std / math.sqrt(sessions) if scatter is not None else math.nan
-    own, between, shared = math.hypot(noise, repeat), np.nan_to_num(session), math.hypot(edge, other)
+    model = np.fmax(of.model, 0.0)
+    own, between, shared = math.hypot(noise, repeat), np.fmax(session, 0.0), math.hypot(edge, other)
     half = math.hypot(
         _quantile(freedom) * own,
         _quantile(scatter.degrees_of_freedom if scatter is not None else math.inf) * between,
         NORMAL_97_5 * shared,
-        NORMAL_97_5 * math.log1p(np.nan_to_num(of.model)),
+        NORMAL_97_5 * math.log1p(model),
     )
     half = min(half, _MOST_UNCERTAIN)
-    std = math.hypot(own, between, shared, np.nan_to_num(of.model))
+    std = math.hypot(own, between, shared, model)
     repeats = math.nan if math.isinf(freedom) else repeat
     factors = (1.0, std, math.exp(-half), math.exp(half), noise, repeats, session, edge, other, of.model)
     mean = float(np.exp(np.mean(np.log(values))))

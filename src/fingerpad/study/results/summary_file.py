@@ -21,13 +21,16 @@ from pydantic import (
 )
 
 from fingerpad._csv import package_table
-from fingerpad._json import plain
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import RERUN
 
 
 def _nan(value: object) -> object:
     return math.nan if value is None or (isinstance(value, float) and math.isinf(value)) else value
+
+
+def _null(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _plausible(value: float) -> float:
@@ -37,7 +40,7 @@ def _plausible(value: float) -> float:
 
 
 # What is not known is null in the file, and NaN or an empty text here.
-Number: TypeAlias = Annotated[float, BeforeValidator(_nan), PlainSerializer(plain, float | None)]
+Number: TypeAlias = Annotated[float, BeforeValidator(_nan), PlainSerializer(_null, float | None)]
 Text: TypeAlias = Annotated[
     str, BeforeValidator(lambda text: text or ""), PlainSerializer(lambda text: text or None, str | None)
 ]
