@@ -18,7 +18,6 @@ from tests.studies import Table, contact, correct, finger, picture, rows_of, wri
 import fingerpad as fp
 from fingerpad._csv import package_table
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results import load
 from fingerpad.study.results.load import export_results, read_rows
@@ -26,11 +25,9 @@ from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, Thick
 from fingerpad.study.results.table import COLUMNS
 
 
-def make(
-    folder: Path, *more: Table, load: float = 2, first: float = 30, second: float = 45, **of: Any
-) -> Path:
-    heavy = contact("heavy", load, finger="index", wedge=first)
-    light = contact("light", 0.5, (5.3, 4.2), finger="index", wedge=second, axis="", **of)
+def make(folder: Path, *more: Table, **of: Any) -> Path:
+    heavy = contact("heavy", finger="index")
+    light = contact("light", 0.5, (5.3, 4.2), finger="index", wedge=45, axis="", **of)
     stated = {"wedge_angle_deg_std": 0.5}
     tables = finger("index"), heavy, light, *more
     return write_study(folder, *tables, title="Two presses, é", uncertainty=stated)
@@ -327,17 +324,3 @@ def test_a_pad_has_poissons_ratio_of_its_run(tmp_path, monkeypatch):
     assert (float(pad.tissue.youngs_modulus), pad.tissue.poisson_ratio) == (0.04, 0.3)
     assert other.tissue.poisson_ratio == 0.5  # for which the curve tells no E
     assert "contact area" in other.source
-
-
-def test_loads_and_angles_in_other_units_are_noted(tmp_path):
-    def doubts(**given: float) -> list[str]:
-        return [*read_study(make(tmp_path, **given)).doubts()]
-
-    assert doubts(load=2000, second=0.785) == [
-        "heavy: more than 100 N: is load_N in millinewtons, not newtons?",
-        "light: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
-    ]
-    assert doubts(first=1.2, second=0.5) == [
-        "heavy and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
-    ]
-    assert doubts(load=100, second=0) == []

@@ -261,34 +261,45 @@ def test_the_unknown_columns_of_a_curve_are_named_with_the_key_that_tells_them(t
     assert missing(name(line[17:-2])) == []
 
 
-def test_names_that_may_be_of_one_finger_are_named(tmp_path):
-    study = write_study(tmp_path, *(finger(name) for name in ("left_index", "leftindex", "right_index")))
-    (doubt,) = read_study(study).doubts()
-    words = "left_index and leftindex: are these names of one finger? then write one of them everywhere"
-    assert doubt == words
+PEOPLE, SESSIONS = ("P01", "p01", "P-01", "P1_1", "P11"), ("Day_2", "day2", "1.1", "11")
+WEDGES = [("f", 30), ("f", 30.4), ("f", 45), ("g", 30), ("g", 31), ("h", 30.4), ("h", 30.4)]
 
 
-def test_names_that_may_be_of_one_person_or_session_are_named(tmp_path):
-    people = ["P01", "p01", "P-01", "P1_1", "P11"]
-    fingers = [finger(f"f{k}", person=person) for k, person in enumerate(people)]
-    presses = [
-        contact(f"c{k}", finger="f0", session=of) for k, of in enumerate(("Day_2", "day2", "1.1", "11"))
-    ]
-    assert list(read_study(write_study(tmp_path, *fingers, *presses)).doubts()) == [
-        "P01, p01 and P-01: are these names of one person? then write one of them everywhere",
-        "Day_2 and day2: are these names of one session? then write one of them everywhere",
-    ]
-
-
-def test_angles_that_may_be_of_one_placement_are_named(tmp_path):
-    angles = {"f": (30, 30.4, 45), "g": (30, 31), "h": (30.4, 30.4)}
-    presses = [
-        contact(f"{name}{k}", finger=name, wedge=angle)
-        for name, stated in angles.items()
-        for k, angle in enumerate(stated)
-    ]
-    words = "f: wedge_angle_deg 30 and 30.4: is this one placement? then write one angle for all its presses"
-    assert list(read_study(write_study(tmp_path, *map(finger, angles), *presses)).doubts()) == [words]
+@pytest.mark.parametrize(
+    ("tables", "doubt"),
+    [
+        (
+            map(finger, ("left_index", "leftindex", "right_index")),
+            "left_index and leftindex: are these names of one finger? then write one of them everywhere",
+        ),
+        (
+            (finger(f"f{k}", person=name) for k, name in enumerate(PEOPLE)),
+            "P01, p01 and P-01: are these names of one person? then write one of them everywhere",
+        ),
+        (
+            (finger(), *(contact(f"c{k}", session=name) for k, name in enumerate(SESSIONS))),
+            "Day_2 and day2: are these names of one session? then write one of them everywhere",
+        ),
+        (
+            (
+                *map(finger, "fgh"),
+                *(contact(f"c{k}", finger=name, wedge=deg) for k, (name, deg) in enumerate(WEDGES)),
+            ),
+            "f: wedge_angle_deg 30 and 30.4: is this one placement? then write one angle for all its presses",
+        ),
+        (
+            (finger(), contact("heavy", 2000)),
+            "heavy: more than 100 N: is load_N in millinewtons, not newtons?",
+        ),
+        (
+            (finger(), contact("a", wedge=1.2), contact("b", 0.5, wedge=0.5)),
+            "a and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
+        ),
+        ((finger(), contact("heavy", 100), contact("flat", 0.5, wedge=0)), ""),
+    ],
+)
+def test_what_may_be_meant_otherwise_is_named(tables, doubt):
+    assert "\n".join(study_of(*tables).doubts()) == doubt
 
 
 def test_loads_and_lengths_of_a_spreadsheet_may_be_in_other_units(tmp_path):

@@ -91,17 +91,6 @@ def test_undefined_draws_are_counted() -> None:
     assert np.isfinite(result.std).all()
 
 
-def test_linear_approximation_valid_for_small_uncertainties() -> None:
-    small = {name: (value, 0.3 * std) for name, (value, std) in PAD.items()}
-    first = pad_uncertainty(**small)
-    found = validate_linear_approximation(first, run_monte_carlo(pad_model, first.inputs))
-    assert set(found) == set(first.names)
-    assert all(each.valid for each in found.values())
-    wide = pad_uncertainty(**{**PAD, "radial_ulnar": (11.8, 2.4)})
-    found = validate_linear_approximation(wide, run_monte_carlo(pad_model, wide.inputs))
-    assert not found["mean_curvature_radius"].valid
-
-
 @pytest.mark.parametrize(("digits", "wanted"), [(1, [0.005, 50.0, 0.0]), (2, [0.0005, 5.0, 0.0])])
 def test_tolerance_is_half_a_unit_of_the_last_digit(digits: int, wanted: list[float]) -> None:
     def scaled(x: np.ndarray) -> dict[str, np.ndarray]:

@@ -66,18 +66,6 @@ def test_conditions_are_compared_within_only() -> None:
         assert found.freedom == one[level].freedom * (2 if level == "repeat" else 1)
 
 
-def test_levels_that_cannot_be_told_apart_are_one() -> None:
-    """Persons of one finger each: what lies between fingers is part of what lies between persons."""
-    values, person = BALANCED[:, 0, 0].ravel(), np.repeat(np.arange(4), 5)
-    levels = {"person": person, "finger": person, "session": person}
-    found = nested_scatter(values, levels).components
-    alone = nested_scatter(values, {"person": person}).components["person"]
-    assert found["person"].includes == ("session", "finger")
-    assert found["person"].std == pytest.approx(alone.std)
-    assert not found["finger"].known
-    assert not found["session"].known
-
-
 @pytest.mark.parametrize(
     ("groups", "known"),
     [([0, 1, 2, 3, 4, 5], False), ([0, 0, 1, 1, 2, 3], False), ([0, 0, 1, 1, 2, 2], True)],
