@@ -45,13 +45,28 @@ from fingerpad.image import (
     measure_photograph,
     measure_sequence,
     open_frames,
+    photograph_from_ellipse,
     prepare_contact_image,
     read_image,
     scan_texture,
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve, secant_modulus
-from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
-from fingerpad.uncertainty import Inputs, pad_model, pool, pool_random_effects, propagate
+from fingerpad.simulate import (
+    outline_points,
+    render_coin,
+    render_contact_image,
+    render_finger,
+    render_sequence,
+)
+from fingerpad.uncertainty import (
+    Inputs,
+    pad_model,
+    placement_model,
+    pool,
+    pool_random_effects,
+    propagate,
+    run_monte_carlo,
+)
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
@@ -64,6 +79,29 @@ CENTRE = {"centre": (9, 9)}
 MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
 AGAINST_A_BALL = Placement(PAD, wedge_angle=0.5, counterface=Counterface.sphere(10.0))
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
+
+
+LENGTHS = {"palmar": (7.9, 0.1), "distal": 13.8, "radial_ulnar": 11.8}
+# Calls with an angle in degrees.
+DEGREES = [
+    lambda: Placement(PAD, wedge_angle=[0.5, 3.0]),
+    lambda: Placement(PAD, wedge_angle=0.5, roll_angle=5),
+    lambda: propagate(placement_model, Inputs.of(**LENGTHS, wedge_angle=30, roll_angle=0)),
+    lambda: run_monte_carlo(placement_model, Inputs.of(**LENGTHS, wedge_angle=0.5, roll_angle=(10, 0.1))),
+    lambda: PAD.point(45, 1.5),
+    lambda: PAD.normal(0.5, 90),
+    lambda: PAD.curvature(45, 1.5),
+    lambda: Counterface.cylinder(5, axis_angle=45),
+    lambda: solve_gap(lambda x, y: (x**2 + y**2) / 20, Tissue(0.1), half_widths=(3, 3), angle=30, load=1.0),
+    lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
+    lambda: PlaneEllipse(0, 0, 9, 8, angle=45),
+    lambda: outline_points(11.8, 13.8, angle=30),
+    lambda: outline_points(11.8, 13.8, arc=(0, 180)),
+    lambda: photograph_from_ellipse("palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), tilt=12),
+    lambda: render_contact_image(orientation=20),
+    lambda: render_coin(orientation=20),
+    lambda: render_coin(tilt=10),
+]
 
 
 INVALID = {
@@ -82,6 +120,7 @@ INVALID = {
         (lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}), "palmar face: semi_axes must be two pos"),
     ],
     exceptions.GeometryError: [
+        *((make, r"in radians; for degrees use np.radians\(30\)\), found") for make in DEGREES),
         *(
             (partial(dataclasses.replace, PAD, **{name: bad}), f"semi-axis {name} must be positive")
             for name in ("palmar", "distal", "radial_ulnar")

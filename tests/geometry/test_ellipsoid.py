@@ -6,9 +6,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Counterface, Ellipsoid, Placement
 from fingerpad.geometry.curvature import principal_curvatures
 from fingerpad.geometry.placement import platen_normal
+from fingerpad.uncertainty import placement_model
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 axis = st.floats(1.0, 50.0)
@@ -141,3 +143,28 @@ def test_a_sphere_adds_its_curvature_in_each_direction() -> None:
     against = Placement(PAD, wedge_angle=0.5, roll_angle=0.3, counterface=Counterface.sphere(20.0)).gap
     found = sorted([1 / against.first_radius, 1 / against.second_radius])
     assert_allclose(found, sorted([1 / flat.first_radius + 1 / 20, 1 / flat.second_radius + 1 / 20]))
+
+
+def test_full_turns_accepted() -> None:
+    assert_allclose(PAD.point([2 * np.pi, -2 * np.pi, 0], 0.5)[:, 0], 7.9 * np.sin(0.5))
+
+
+def radius_at(**angles) -> np.ndarray:
+    return placement_model(palmar=7.9, distal=13.8, radial_ulnar=11.8, **angles)["mean_curvature_radius"]
+
+
+def test_draws_about_upright_finger_accepted() -> None:
+    assert_allclose(*radius_at(wedge_angle=np.pi / 2 + np.array([-0.1, 0.1]), roll_angle=0.0))
+    with pytest.raises(GeometryError):
+        Placement(PAD, wedge_angle=np.pi / 2 + 0.1)
+
+
+def test_a_right_angle_may_come_in_single_precision() -> None:
+    right = np.radians(np.array([0, 90], np.float32))  # rounded up, beyond π/2
+    placement = Placement(PAD, wedge_angle=right, roll_angle=-right)
+    assert_allclose(placement.normal, [[1, 0, 0], [0, 1, 0]], atol=1e-7)
+
+
+def test_kernels_broadcast_nan() -> None:
+    radius = radius_at(wedge_angle=np.array([0.5, np.nan]), roll_angle=np.array([[0.0], [np.nan]]))
+    assert np.isnan(radius).tolist() == [[False, True], [True, True]]
