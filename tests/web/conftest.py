@@ -31,13 +31,15 @@ def shorten(folder):
 
 
 class Client(httpx.Client):
-    """A client with short words for the study `demo`; `ask` and `tell` return what an answer holds."""
+    """A client with short words for one study; `ask` and `tell` return what an answer holds."""
+
+    study = "demo"
 
     def study_get(self, path, **params):
-        return self.get(f"/api/studies/demo/{path}", params=params)
+        return self.get(f"/api/studies/{self.study}/{path}", params=params)
 
     def study_post(self, path, **body):
-        return self.post(f"/api/studies/demo/{path}", json=body)
+        return self.post(f"/api/studies/{self.study}/{path}", json=body)
 
     def ask(self, path, **params):
         return self.study_get(path, **params).json()
@@ -46,7 +48,7 @@ class Client(httpx.Client):
         return self.study_post(path, **body).json()
 
     def edit(self, *edits):
-        """Edit the current study, and return its new state."""
+        """Edit the study, and return its new state."""
         digest = self.ask("state")["digest"]
         return self.study_post("edits", expected=digest, edits=edits).raise_for_status().json()
 
@@ -92,6 +94,7 @@ def client_of(folder, **limits):
     workspace = Workspace(folder.parent, **limits)
     workspace.open_folder(folder)
     with serving(workspace) as client:
+        client.study = folder.name
         yield client
 
 

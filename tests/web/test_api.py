@@ -11,7 +11,7 @@ from benchmarks.truth.grids import Scene
 from PIL import Image
 from tests.smooth_study import area_at, make_smooth_study
 from tests.studies import PAD, Table, append_tables, finger, picture, write_study
-from tests.web.conftest import refused, serving
+from tests.web.conftest import client_of, refused, serving
 from tests.web.test_files import upload
 
 from fingerpad.geometry import Ellipsoid, Placement
@@ -22,10 +22,16 @@ PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
-def measured(client, item=PRINT, kind="contact", study="demo", **params):
-    answer = client.post(f"/api/studies/{study}/measure/{kind}", json={"item": item, **params})
+def measured(client, item=PRINT, kind="contact", **params):
+    answer = client.study_post(f"measure/{kind}", item=item, **params)
     assert answer.status_code == 200, answer.text
     return answer.json()
+
+
+def levels_of(client, item):
+    """The levels of the picture that the page shows of an item."""
+    shown = client.study_get("picture/preview", item=item).content
+    return cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
 
 
 def test_the_session_names_what_is_open(standing, studies_folder):
@@ -69,8 +75,7 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client):
     # An observation shows its levels; a file of which nothing is known is shown as a photograph is.
     table = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1.0, "file": file, "scale": "reader"}
     client.edit({"kind": "observation", "key": "deep", "set": table})
-    shown = client.study_get("picture/preview", item="deep").content
-    levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
+    levels = levels_of(client, "deep")
     assert (levels.min(), levels.max()) == (0, 255)
 
 
@@ -79,23 +84,15 @@ def test_contacts_without_ridges_are_shown_and_measured_in_colour(tmp_path):
     folder = make_smooth_study(tmp_path / "gel", colour=True).parent
     shutil.copy(folder / "frames" / "006.png", folder / "contact.png")
     shutil.copy(folder / "frames" / "000.png", folder / "empty.png")
-    with serving(Workspace(tmp_path)) as client:
-        client.post("/api/session/open", json={"name": "gel"}).raise_for_status()
+    with client_of(folder) as client:
         for item in ("contact", "press#6"):
-            shown = client.get("/api/studies/gel/picture/preview", params={"item": item}).content
-            levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
-            assert np.ptp(levels, axis=2).max() > 50
-            area = measured(client, item, study="gel")["numbers"]["gross_area_mm2"]
+            assert np.ptp(levels_of(client, item), axis=2).max() > 50
+            area = measured(client, item)["numbers"]["gross_area_mm2"]
             assert abs(area["value"] - area_at(2.0)) < 3 * area["std"] < 0.3 * area_at(2.0)
         # A browser keeps a preview under its address for ever: said to be ridged, it is another.
-        state, address = (
-            client.get(f"/api/studies/gel/{path}") for path in ("state", "picture/info?item=contact")
-        )
-        edits = [{"kind": "observation", "key": "contact", "set": {"surface": "ridged"}}]
-        changed = {"expected": state.json()["digest"], "edits": edits}
-        client.post("/api/studies/gel/edits", json=changed).raise_for_status()
-        again = client.get("/api/studies/gel/picture/info?item=contact").json()
-        assert again["preview"] != address.json()["preview"]
+        address = client.ask("picture/info", item="contact")["preview"]
+        client.edit({"kind": "observation", "key": "contact", "set": {"surface": "ridged"}})
+        assert client.ask("picture/info", item="contact")["preview"] != address
 
 
 def ellipse_of(one):
@@ -315,34 +312,23 @@ def test_malformed_bodies_get_messages(standing, content):
     assert refused(standing.post("/api/studies/demo/measure/contact", content=content), 400)
 
 
-def edit(client, state, *edits):
-    answer = client.post(
-        f"/api/studies/{state['name']}/edits", json={"expected": state["digest"], "edits": list(edits)}
-    )
-    assert answer.status_code == 200, answer.text
-    return answer.json()
-
-
 def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_folder):
-    of = "/api/studies/mine"
+    client.study = "mine"
     state = client.post("/api/session/new", json={"name": "mine", "title": "Mine"}).json()
     assert (state["title"], state["ready"]) == ("Mine", False)
     assert state["missing"]
     content = (studies_folder / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
-    file = client.post(f"{of}/files", params={"name": "a.png"}, content=content).json()["file"]
-    state = client.get(f"{of}/state").json()
-    assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
-    state = edit(client, state, {"kind": "observation", "key": "a", "set": {"file": file, "load_N": 2.0}})
+    file = upload(client, "a.png", content).json()["file"]
+    missing = client.ask("state")["missing"]
+    assert next(one for one in missing if one["kind"] == "file")["key"] == file
+    state = client.edit({"kind": "observation", "key": "a", "set": {"file": file, "load_N": 2.0}})
     known = {"complete": False, "load_N": 2.0, "finger": None}
     assert known.items() <= state["observations"][0].items()
     assert any(one["key"] == "a" and "finger" in one["words"] for one in state["missing"])
-    thumbnail = client.get(f"{of}/picture/thumbnail", params={"item": "a"})
-    assert thumbnail.status_code == 200  # already to be seen
+    assert client.study_get("picture/thumbnail", item="a").status_code == 200  # already to be seen
     axes = {"semi_axes_mm": PAD, "semi_axes_mm_std": dict.fromkeys(PAD, 0.1)}
     rest = {"finger": "left", "wedge_angle_deg": 30, "scale": "reader"}
-    state = edit(
-        client,
-        state,
+    state = client.edit(
         {"kind": "finger", "key": "left", "set": axes},
         {"kind": "scale", "key": "reader", "set": {"ppi": 500}},
         {"kind": "observation", "key": "a", "set": rest},
@@ -350,28 +336,27 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     assert state["ready"]
     assert state["observations"][0]["complete"]
     assert state["missing"] == []
-    radius = measured(client, "a", study="mine")["model"]["numbers"]["radius_from_indentation_mm"]
+    radius = measured(client, "a")["model"]["numbers"]["radius_from_indentation_mm"]
     assert radius["value"] == pytest.approx(13.8, rel=0.1)
     assert radius["std"] > 0
     wrong = [{"kind": "observation", "key": "a", "set": {"load_N": -1}}]
-    answer = client.post(f"{of}/edits", json={"expected": state["digest"], "edits": wrong})
-    assert "load_N" in refused(answer)
-    assert client.get(f"{of}/state").json()["digest"] == state["digest"]
+    assert "load_N" in refused(client.study_post("edits", expected=state["digest"], edits=wrong))
+    assert client.ask("state")["digest"] == state["digest"]
 
 
 def test_several_studies_are_open_at_once(client, studies_folder):
-    name = "übung"
+    client.study = name = "übung"
     shutil.copytree(studies_folder / "demo", studies_folder / name)
     before = (studies_folder / "demo" / "study.toml").read_bytes()
     of = f"/api/studies/{quote(name)}"
-    changed = edit(client, client.get(f"{of}/state").json(), *TITLE)
+    changed = client.edit(*TITLE)
     assert (changed["name"], changed["title"]) == (name, "x")
-    info = client.get(f"{of}/picture/info", params={"item": "synthetic_30deg_1N"}).json()
-    assert info["preview"].startswith(f"{of}/picture/preview")
-    assert client.get(info["preview"]).headers["content-type"] == "image/png"
-    assert client.ask("state")["name"] == "demo"
+    preview = client.ask("picture/info", item="synthetic_30deg_1N")["preview"]
+    assert preview.startswith(f"{of}/picture/preview")
+    assert client.get(preview).headers["content-type"] == "image/png"
+    assert client.get("/api/studies/demo/state").json()["name"] == "demo"
     assert (studies_folder / "demo" / "study.toml").read_bytes() == before
-    assert client.get(f"{of}/state").json()["title"] == "x"
+    assert client.ask("state")["title"] == "x"
     assert client.get("/api/studies/nowhere/state").status_code == 404
     assert client.get("/api/studies/nowhere").status_code == 404
     assert client.get(f"{of}/state", headers={"authorization": ""}).status_code == 403
@@ -410,9 +395,8 @@ def test_a_study_of_two_thousand_pictures_opens_without_reading_them(tmp_path):
         (tmp_path / "large" / name).write_bytes(b"no picture")
     frames = (picture(f"f{number}", name, scale="small") for number, name in enumerate(names))
     write_study(tmp_path / "large", finger(), *frames, scales={"small": {"ppi": 100}})
-    with serving(Workspace(tmp_path)) as client:
-        client.post("/api/session/open", json={"name": "large"}).raise_for_status()
-        state = client.get("/api/studies/large/state")
+    with client_of(tmp_path / "large") as client:
+        state = client.study_get("state")
     found = state.json()
     assert len(found["observations"]) == found["counts"]["left"] == len(names)
     assert found["missing"] == []

@@ -37,7 +37,7 @@ def huge_png(rows, columns):
 
 
 def upload(client, name, content, **query):
-    return client.post("/api/studies/demo/files", params={"name": name, **query}, content=content)
+    return client.post(f"/api/studies/{client.study}/files", params={"name": name, **query}, content=content)
 
 
 def remove(client, name):
@@ -282,12 +282,12 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(folder / "socket"))
         with client_of(folder) as client:
-            reported = client.get("/api/studies/study/bundle").json()
+            reported = client.ask("bundle")
             left = {one["file"]: one["why"] for one in reported["left_out"]}
             assert {".data/", "socket", "a:b.png", "empty: folder/"} <= set(left)
             assert "=1+1" not in left
             assert len({"a.png", "A.png"} & set(left)) == 1
-            archive = client.get("/api/studies/study/download/study.zip")
+            archive = client.study_get("download/study.zip")
             assert archive.status_code == 200
             back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
             assert back.status_code == 201, back.text
