@@ -1,13 +1,13 @@
 """The file of corrections: nothing confirmed is lost, the newest rules, and undo walks back and forth."""
 
 import json
-import multiprocessing
 import time
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.studies import contact, finger, picture, sequence, study_of
+from tests.waiting import exit_codes
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog, frames_of, kind_of
@@ -191,14 +191,8 @@ def write_many(folder, item):
 
 
 def test_two_processes_lose_nothing(tmp_path, log):
-    context = multiprocessing.get_context("fork")
     items = ("print_1", "print_2")
-    workers = [context.Process(target=write_many, args=(tmp_path, item)) for item in items]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join(60)
-        assert worker.exitcode == 0
+    assert exit_codes(write_many, *((tmp_path, item) for item in items)) == [0, 0]
     for item in items:
         assert [record.change["threshold"] for record in log.history(item).records] == list(range(1, 61))
     lines = (tmp_path / CORRECTIONS_NAME).read_text().splitlines()

@@ -2,7 +2,6 @@
 
 import csv
 import errno
-import multiprocessing
 import os
 import resource
 import shutil
@@ -18,6 +17,7 @@ import pytest
 import tomlkit
 from filelock import FileLock
 from tests.studies import PAD, append_tables, correct, finger, sequence
+from tests.waiting import exit_codes
 
 from fingerpad.exceptions import EditConflict, FingerpadError, ManifestError, StoreError
 from fingerpad.study import journal
@@ -270,13 +270,7 @@ def rename_until_done(folder, number):
 
 
 def test_two_editors_at_once(folder):
-    context = multiprocessing.get_context("fork")
-    workers = [context.Process(target=rename_until_done, args=(folder, number)) for number in (1, 2)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join(60)
-        assert worker.exitcode == 0
+    assert exit_codes(rename_until_done, (folder, 1), (folder, 2)) == [0, 0]
     assert [each.notes for each in studied(folder).observations] == ["done", "done"]
     before = contents(folder)
     with pytest.raises(EditConflict, match="changed the study since"):
@@ -410,10 +404,7 @@ def killed_at(step, folder):
         sys.addaudithook(before)
         changed(folder, *LARGE_EDIT)
 
-    process = multiprocessing.get_context("fork").Process(target=work)
-    process.start()
-    process.join(60)
-    return process.exitcode == -signal.SIGKILL
+    return exit_codes(work, ()) == [-signal.SIGKILL]
 
 
 def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory):
@@ -525,10 +516,7 @@ def replace_on_a_full_disk(folder):
 
 def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder):
     before = contents(folder)
-    process = multiprocessing.get_context("fork").Process(target=replace_on_a_full_disk, args=(folder,))
-    process.start()
-    process.join(60)
-    assert process.exitcode == 0
+    assert exit_codes(replace_on_a_full_disk, (folder,)) == [0]
     assert contents(folder) == before
 
 

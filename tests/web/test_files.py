@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import tifffile
 from tests.study.test_archive import ODD_FILES, contents, write
+from tests.study.test_edit import failing_with
 from tests.web.conftest import client_of, refused, serving
 from tests.workbooks import zipped
 
@@ -165,10 +166,7 @@ def test_a_removed_file_is_restored(client, studies_folder):
 
 
 def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studies_folder, monkeypatch):
-    def refuse(*_):
-        raise PermissionError(errno.EPERM, "Operation not permitted")
-
-    monkeypatch.setattr(os, "link", refuse)
+    monkeypatch.setattr(os, "link", failing_with(errno.EPERM))
     names = [upload(client, "a.png", png(level=level)).json()["file"] for level in (1, 2, 1)]
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a.png"]
     removed = remove(client, "uploads/a.png").json()["removed"]
@@ -180,10 +178,7 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
 
 
 def test_an_upload_that_cannot_be_placed_leaves_nothing_behind(client, studies_folder, monkeypatch):
-    def refuse(*_):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr("fingerpad.web.api.files.placed", refuse)
+    monkeypatch.setattr("fingerpad.web.api.files.placed", failing_with(errno.ENOSPC))
     assert upload(client, "a.png", png()).status_code >= 400
     assert not list((studies_folder / "demo" / "uploads").iterdir())
 
