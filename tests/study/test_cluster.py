@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
@@ -87,13 +87,9 @@ class Workers:
         self.started: list[subprocess.Popen] = []
 
     def start(self, *words: str) -> None:
-        """Start a worker."""
+        """Start a worker; with `--no-nanny` without a second process that starts it again when it ends."""
         home = ("worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder))
         self.started.append(start(*home, *words))
-
-    def start_alone(self) -> None:
-        """Start a worker without a second process that starts it again when it ends."""
-        self.start("--no-nanny")
 
     def end(self) -> None:
         for process in self.started:
@@ -116,14 +112,8 @@ def workers(scheduler, tmp_path) -> Iterator[Workers]:
     assert wait_until(lambda: not scheduler.workers())
 
 
-def run(
-    manifest: Path, out: Path, scheduler: str, reported: Callable[[Progress], None] = lambda _: None
-) -> list:
-    return rows(manifest, out, scheduler=scheduler, on_progress=reported)
-
-
-def rows(manifest: Path, out: Path, **options: object) -> list[Row]:
-    return list(records(run_study(manifest, out, **options).rows))
+def rows(manifest: Path, **options: object) -> list[Row]:
+    return list(records(run_study(manifest, manifest.parent / "out", **options).rows))
 
 
 def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(unfinished, undisturbed, workers):
@@ -139,7 +129,7 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(unfinishe
                 assert len(pids) == 2
                 os.kill(next(iter(pids.values())), signal.SIGKILL)
 
-    assert run(unfinished, unfinished.parent / "out", workers.address, kill_one) == undisturbed
+    assert rows(unfinished, scheduler=workers.address, on_progress=kill_one) == undisturbed
     assert reported[-1].pictures == reported[-1].total == TOTAL
 
 
@@ -147,7 +137,7 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(unfinishe
 def test_a_killed_scheduler_costs_only_what_was_in_hand(unfinished, undisturbed, tmp_path):
     scheduler = Scheduler()
     workers = Workers(scheduler, tmp_path / "dask")
-    workers.start_alone()
+    workers.start("--no-nanny")
     reported: list[Progress] = []
 
     def kill_it(progress: Progress) -> None:
@@ -157,12 +147,12 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(unfinished, undisturbed,
 
     try:
         with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
-            run(unfinished, unfinished.parent / "out", scheduler.address, kill_it)
+            rows(unfinished, scheduler=scheduler.address, on_progress=kill_it)
     finally:
         end(scheduler.process)
         workers.end()
     again: list[Progress] = []
-    assert rows(unfinished, unfinished.parent / "out", on_progress=again.append) == undisturbed
+    assert rows(unfinished, on_progress=again.append) == undisturbed
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
@@ -202,12 +192,12 @@ def test_workers_that_are_all_dead_end_the_run_in_words(unfinished, undisturbed,
             workers.end()
 
     with pytest.raises(ClusterError, match="has had no worker for 3 s: what was measured is kept"):
-        run(unfinished, unfinished.parent / "out", workers.address, kill_all)
-    assert rows(unfinished, unfinished.parent / "out") == undisturbed
+        rows(unfinished, scheduler=workers.address, on_progress=kill_all)
+    assert rows(unfinished) == undisturbed
 
 
 def test_a_task_that_crashes_is_named_and_costs_no_worker(small_study, tmp_path, workers):
-    workers.start_alone()
+    workers.start("--no-nanny")
     with cluster.cluster_executor(small_study, 1, workers.address, Limits()) as executor:
         result = executor.submit(CRASHING).result(60)
         with client(workers.address) as there:
@@ -234,7 +224,7 @@ def test_a_scheduler_that_is_none_or_has_no_workers(
 
 @pytest.mark.nightly
 def test_waiting_for_one_result_delays_no_other(workers):
-    workers.start_alone()
+    workers.start("--no-nanny")
     lost, seen = threading.Event(), threading.Event()
     with client(workers.address) as there:
         cluster.when_done(there.submit(sum, [1]), lambda _: lost.wait())
@@ -246,7 +236,7 @@ def test_waiting_for_one_result_delays_no_other(workers):
 
 @pytest.mark.nightly
 def test_a_scheduler_of_ones_own(unfinished, undisturbed):
-    assert rows(unfinished, unfinished.parent / "out", workers=2, scheduler="local") == undisturbed
+    assert rows(unfinished, workers=2, scheduler="local") == undisturbed
 
 
 @pytest.mark.nightly
