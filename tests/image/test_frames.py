@@ -15,49 +15,36 @@ from fingerpad.image import FrameRate, FrameResult, frame_clock, open_frames, se
 from fingerpad.image.sequence.force import FrameStamps
 
 
-def level(index: int) -> np.ndarray:
-    return np.full((24, 32), 10 * index, np.uint8)
+def grey(level, depth=np.uint8):
+    return np.full((48, 64), level, depth)
 
 
-def write_folder(path, count=12):
-    path.mkdir()
-    for index in range(count):
-        Image.fromarray(level(index)).save(path / f"frame{index}.png")
-    (path / "notes.txt").write_text("not a picture")
-    return path
+TWELVE = [grey(10 * index) for index in range(12)]
 
 
-def write_stack(path):
-    """As deep as a 16-bit camera's."""
-    stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(12)])
-    tifffile.imwrite(path, stack, photometric="minisblack")
-    return path
-
-
-def write_video(path, codec, count=12):
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), 100.0, (64, 48))
-    assert writer.isOpened()
-    for index in range(count):
-        writer.write(np.full((48, 64, 3), 20 * index % 256, np.uint8))
-    writer.release()
+def write(path, pictures=TWELVE):
+    """Write pictures, grey or in colour, as a folder, a stack or a video."""
+    coloured = pictures[0].ndim == 3
+    if not path.suffix:
+        path.mkdir()
+        for index, picture in enumerate(pictures):
+            Image.fromarray(picture).save(path / f"frame{index}.png")
+        (path / "notes.txt").write_text("not a picture")
+    elif path.suffix == ".tif":
+        tifffile.imwrite(path, np.stack(pictures), photometric="rgb" if coloured else "minisblack")
+    else:
+        codec = cv2.VideoWriter_fourcc(*("mp4v" if path.suffix == ".mp4" else "MJPG"))
+        writer = cv2.VideoWriter(str(path), codec, 100.0, pictures[0].shape[1::-1])
+        assert writer.isOpened()
+        for picture in pictures:
+            writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR if coloured else cv2.COLOR_GRAY2BGR))
+        writer.release()
     return path
 
 
 @pytest.mark.parametrize("name", ["frames", "stack.tif", "video.avi"])
 def test_colours_are_kept_where_they_are_wanted_and_there(tmp_path, name):
-    orange, grey = (np.full((48, 64, 3), level, np.uint8) for level in ([200, 120, 40], 90))
-    path = tmp_path / name
-    if name == "frames":
-        path.mkdir()
-        for index, picture in enumerate((orange, grey)):
-            Image.fromarray(picture).save(path / f"{index}.png")
-    elif name == "stack.tif":
-        tifffile.imwrite(path, np.stack([orange, grey]), photometric="rgb")
-    else:
-        writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 100.0, (64, 48))
-        for picture in (orange, grey):
-            writer.write(picture[..., ::-1])
-        writer.release()
+    path = write(tmp_path / name, [np.full((48, 64, 3), level, np.uint8) for level in ([200, 120, 40], 90)])
     coloured, plain = open_frames(path, colour=True)
     assert coloured.pixels.mean(axis=(0, 1)) == pytest.approx([200, 120, 40], abs=3)
     assert plain.pixels.shape == (48, 64)  # as of a camera that sees no colours
@@ -69,16 +56,16 @@ def levels(frames):
 
 
 @pytest.mark.parametrize(
-    ("name", "write", "step", "depth", "off"),
+    ("name", "step", "depth", "off"),
     [
-        ("frames", write_folder, 10, np.uint8, 0),
-        ("stack.tif", write_stack, 2500, np.uint16, 0),
-        ("video.avi", lambda path: write_video(path, "MJPG"), 20, np.uint8, 6),
-        ("video.mp4", lambda path: write_video(path, "mp4v"), 20, np.uint8, 6),
+        ("frames", 10, np.uint8, 0),
+        ("stack.tif", 2500, np.uint16, 0),  # as deep as a 16-bit camera's
+        ("video.avi", 20, np.uint8, 6),
+        ("video.mp4", 20, np.uint8, 6),
     ],
 )
-def test_frames_come_in_order_again_and_alone(tmp_path, name, write, step, depth, off):
-    frames = open_frames(write(tmp_path / name))
+def test_frames_come_in_order_again_and_alone(tmp_path, name, step, depth, off):
+    frames = open_frames(write(tmp_path / name, [grey(step * index, depth) for index in range(12)]))
     assert len(frames) == 12
     for _ in range(2):
         np.testing.assert_allclose(levels(frames), step * np.arange(12), atol=off)
@@ -95,7 +82,7 @@ def test_frames_come_in_order_again_and_alone(tmp_path, name, write, step, depth
 
 
 def test_video_of_pixels_that_are_not_square_is_refused(tmp_path):
-    path = write_video(tmp_path / "video.mp4", "mp4v")
+    path = write(tmp_path / "video.mp4")
     data = bytearray(path.read_bytes())
     at = data.index(b"\0\0\1\x20") + 4  # the video object layer of MPEG-4
     bits = f"{int.from_bytes(data[at : at + 4], 'big'):032b}"
@@ -109,21 +96,20 @@ def test_video_of_pixels_that_are_not_square_is_refused(tmp_path):
 
 
 def test_pictures_named_unlike_the_others_are_noted(tmp_path):
-    folder = write_folder(tmp_path / "frames")
+    folder = write(tmp_path / "frames")
     assert open_frames(folder).odd_names is None
-    Image.fromarray(level(0)).save(folder / "background.png")
+    Image.fromarray(grey(0)).save(folder / "background.png")
     assert open_frames(folder).odd_names.startswith(
         "background.png among the frames, named unlike the others"
     )
     for index in range(5):
-        Image.fromarray(level(index)).save(folder / f"second_press{index}.png")
+        Image.fromarray(grey(index)).save(folder / f"second_press{index}.png")
     assert open_frames(folder).odd_names is None  # with so many nothing is usual
-    assert open_frames(write_stack(tmp_path / "stack.tif")).odd_names is None
+    assert open_frames(write(tmp_path / "stack.tif")).odd_names is None
 
 
 def test_truncated_video(tmp_path):
-    whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
-    data = whole.read_bytes()
+    data = write(tmp_path / "whole.avi", [grey(4 * index) for index in range(60)]).read_bytes()
     (tmp_path / "video.avi").write_bytes(data[: len(data) * 2 // 3])
     frames = list(open_frames(tmp_path / "video.avi"))
     read = [frame for frame in frames if frame.pixels is not None]
@@ -147,14 +133,14 @@ def test_damaged_page_fails_alone(tmp_path):
 
 
 def test_damaged_picture_or_size_fails_alone(tmp_path):
-    folder = write_folder(tmp_path / "frames", count=6)
+    folder = write(tmp_path / "frames", TWELVE[:6])
     (folder / "frame2.png").write_bytes((folder / "frame2.png").read_bytes()[:40])
-    Image.fromarray(np.zeros((24, 33), np.uint8)).save(folder / "frame4.png")
+    Image.fromarray(np.zeros((48, 65), np.uint8)).save(folder / "frame4.png")
     frames = list(open_frames(folder))
     assert levels(frames) == [0, 10, None, 30, None, 50]
     assert "frame2.png" in frames[2].reason
-    assert "33 × 24" in frames[4].reason
-    assert "32 × 24" in frames[4].reason
+    assert "65 × 48" in frames[4].reason
+    assert "64 × 48" in frames[4].reason
 
 
 def test_nan_and_large_pages_fail_alone(tmp_path):
@@ -200,13 +186,13 @@ def test_memory_independent_of_length(tmp_path):
 def test_truncated_stack(tmp_path, capfd):
     path = tmp_path / "stack.tif"
     with tifffile.TiffWriter(path) as writer:  # page by page, as cameras write
-        for k in range(10):
-            writer.write(level(k), contiguous=False)
+        for picture in TWELVE:
+            writer.write(picture, contiguous=False)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     frames = list(open_frames(path))
     assert len(frames) == len(open_frames(path))
     readable = [frame for frame in frames if frame.pixels is not None]
-    assert 1 <= len(readable) < 10
+    assert 1 <= len(readable) < 12
     assert frames[-1].pixels is None
     assert "those that follow are lost" in frames[-1].reason or "cannot be decoded" in frames[-1].reason
     assert capfd.readouterr() == ("", "")

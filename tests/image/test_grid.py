@@ -51,12 +51,15 @@ def test_scale_in_the_middle_and_points(name: str, pattern: str) -> None:
 def test_rectified_pictures_have_one_scale_everywhere() -> None:
     scene = SCENES["through a prism"]
     pixels = scene.picture(POINTS, SPACING, "dots")
-    seen, scale = measure_grid(pixels, POINTS, SPACING, pattern="dots").rectified(pixels)
+    grid = measure_grid(pixels, POINTS, SPACING, pattern="dots")
+    seen, scale = grid.rectified(pixels)
     again = measure_grid(seen, POINTS, SPACING, pattern="dots")
     assert again.scale.mm_per_px == pytest.approx(scale.mm_per_px, rel=1e-3)
     assert again.anisotropy < 2e-3
     assert again.variation < 2e-3
     assert again.flags == ()
+    with pytest.raises(CalibrationError, match="pixels must be grey"):
+        grid.rectified("other.png")
 
 
 @pytest.mark.parametrize("turns", range(4))
@@ -106,27 +109,16 @@ def test_a_lens_that_bends_lines_is_flagged() -> None:
 
 
 @pytest.mark.parametrize(
-    ("points", "spacing", "words"),
+    ("changed", "words"),
     [
-        ((7, 8), SPACING, "no grid of 7 × 8 inner corners found"),
-        ((2, 9), SPACING, "3 or more"),
-        (POINTS, 0.0, "spacing_mm must be positive"),
-        (POINTS, math.nan, "spacing_mm must be positive"),
+        ({"points": (7, 8)}, "no grid of 7 × 8 inner corners found"),
+        ({"points": (2, 9)}, "3 or more"),
+        ({"spacing_mm": 0.0}, "spacing_mm must be positive"),
+        ({"spacing_mm": math.nan}, "spacing_mm must be positive"),
+        ({"pattern": "circles"}, "checkerboard, dots, found 'circles'"),
     ],
 )
-def test_refused(points: tuple[int, int], spacing: float, words: str) -> None:
+def test_refused(changed: dict, words: str) -> None:
+    picture = Scene(rows=240, columns=320, focal=700).picture(POINTS, SPACING, "checkerboard")
     with pytest.raises(CalibrationError, match=words):
-        measure_grid(
-            Scene(rows=240, columns=320, focal=700).picture(POINTS, SPACING, "checkerboard"), points, spacing
-        )
-
-
-def test_an_unknown_pattern_is_refused() -> None:
-    with pytest.raises(CalibrationError, match="checkerboard, dots, found 'circles'"):
-        measure_grid(np.zeros((40, 40)), POINTS, SPACING, pattern="circles")
-
-
-def test_rectified_is_a_picture_alone() -> None:
-    grid = measure_grid(Scene().picture(POINTS, SPACING, "dots"), POINTS, SPACING, pattern="dots")
-    with pytest.raises(CalibrationError, match="pixels must be grey"):
-        grid.rectified("other.png")
+        measure_grid(picture, **{"points": POINTS, "spacing_mm": SPACING, **changed})

@@ -4,12 +4,13 @@ import random
 import struct
 import zlib
 from contextlib import suppress
+from functools import partial
 from itertools import islice
 
-import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from tests.image.test_frames import write as write_frames
 from tests.image.test_tiff import by_opencv, by_pillow, planes, written
 
 from fingerpad.exceptions import FingerpadError
@@ -32,17 +33,6 @@ NAMES = (
 )
 
 
-def video(grey, codec):
-    def write(path):
-        fourcc = cv2.VideoWriter.fourcc(*codec)
-        writer = cv2.VideoWriter(str(path), fourcc, 50.0, grey.shape[::-1], isColor=False)
-        for _ in range(5):
-            writer.write(grey)
-        writer.release()
-
-    return write
-
-
 @pytest.fixture(scope="module")
 def originals(tmp_path_factory):
     """Return whole files by name: every format, and every kind of TIFF."""
@@ -57,8 +47,7 @@ def originals(tmp_path_factory):
         "tiled.tif": written(grey, tile=(64, 64), compression="zlib"),
         "planes.tif": planes(face),
         "stack.tif": written(np.stack([grey] * 4), compression="zlib"),
-        "video.avi": video(grey, "MJPG"),
-        "video.mp4": video(grey, "mp4v"),
+        **dict.fromkeys(("video.avi", "video.mp4"), partial(write_frames, pictures=[grey] * 5)),
     }
     folder = tmp_path_factory.mktemp("whole")
     for name, write in writers.items():
