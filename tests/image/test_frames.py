@@ -22,7 +22,7 @@ def grey(level, depth=np.uint8):
 TWELVE = [grey(10 * index) for index in range(12)]
 
 
-def write(path, pictures=TWELVE):
+def write(path, pictures=TWELVE, rate=100.0):
     """Write pictures, grey or in colour, as a folder, a stack or a video."""
     coloured = pictures[0].ndim == 3
     if not path.suffix:
@@ -34,7 +34,7 @@ def write(path, pictures=TWELVE):
         tifffile.imwrite(path, np.stack(pictures), photometric="rgb" if coloured else "minisblack")
     else:
         codec = cv2.VideoWriter_fourcc(*("mp4v" if path.suffix == ".mp4" else "MJPG"))
-        writer = cv2.VideoWriter(str(path), codec, 100.0, pictures[0].shape[1::-1])
+        writer = cv2.VideoWriter(str(path), codec, rate, pictures[0].shape[1::-1])
         assert writer.isOpened()
         for picture in pictures:
             writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR if coloured else cv2.COLOR_GRAY2BGR))

@@ -10,12 +10,12 @@ from itertools import combinations
 from pathlib import Path
 from typing import NoReturn
 
-import cv2
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 from tests import studies
+from tests.image.test_frames import write as write_frames
 from tests.smooth_study import LOADS, area_at, make_smooth_study
 
 from fingerpad.exceptions import LoadingError, ManifestError
@@ -290,12 +290,7 @@ def test_a_sequence_of_which_nothing_is_pooled_is_noted(study_dir, least, noted)
 
 @pytest.mark.parametrize("stated", [None, RATE])
 def test_the_rate_at_which_a_video_plays_is_noted_where_it_is_taken(study_dir, press, stated):
-    high, wide = press.pixels(0).shape
-    code = cv2.VideoWriter_fourcc(*"MJPG")
-    video = cv2.VideoWriter(str(study_dir / "press.avi"), code, float(RATE), (wide, high), isColor=False)
-    for k in range(LOAD.size):
-        video.write(press.pixels(k))
-    video.release()
+    write_frames(study_dir / "press.avi", [press.pixels(k) for k in range(LOAD.size)], RATE)
     table = of_frames(frames_per_second=stated)
     result = run(study_dir, table._replace(keys={**table.keys, "file": "press.avi"}))
     notes = result.sequences[0].summary.notes
