@@ -1,6 +1,7 @@
 """Contacts without ridges: fixed small pictures of ellipses under uneven light, with reflections and dust."""
 
 import math
+from functools import partial
 
 import cv2
 import numpy as np
@@ -20,6 +21,7 @@ from fingerpad.image import (
 from fingerpad.image.ellipse import polygon_moments
 
 _SCALE = Scale(0.03, 0.0)
+_measured = partial(measure_contact_image, scale=_SCALE, surface="smooth")
 _CENTRE, _AXES, _ANGLE = (118.3, 131.6), (70.2, 52.7), 25.0
 
 
@@ -58,9 +60,7 @@ _AREA = math.pi * _AXES[0] * _AXES[1] * 0.03**2
 )
 def test_area_and_axes_are_within_their_uncertainty(contrast, reflection, with_background):
     image, ground = _picture(contrast=contrast, reflection=reflection)
-    found = measure_contact_image(
-        image, _SCALE, surface="smooth", background=ground if with_background else None
-    )
+    found = _measured(image, background=ground if with_background else None)
     assert abs(found.gross_area / _AREA - 1) < 0.015
     assert abs(found.gross_area - _AREA) < 2.5 * found.gross_area_std
     assert found.gross_area_std < 0.021 * _AREA
@@ -93,7 +93,7 @@ def _uneven(share, *, shift):
 @pytest.mark.parametrize(("share", "shift"), [(0.04, 1.0), (0.08, 2.0), (0.08, 4.0)])
 def test_a_contact_that_is_no_ellipse_is_followed_round_its_corners(share, shift):
     image, area, axes = _uneven(share, shift=shift)
-    found = measure_contact_image(image, _SCALE, surface="smooth")
+    found = _measured(image)
     assert found.flags == ()
     assert found.gross_area == pytest.approx(area * 0.03**2, rel=0.006)
     assert found.gross_area_std < 0.015 * found.gross_area
@@ -106,18 +106,18 @@ def test_a_dent_that_a_reflection_draws_in_is_flagged():
     image, ground = _picture(contrast=-60.0)
     window = cv2.GaussianBlur(cv2.rectangle(np.zeros(image.shape), (60, 80), (105, 150), 60, -1), (0, 0), 1.5)
     image = (image + window).clip(0, 255).round().astype(np.uint8)
-    found = measure_contact_image(image, _SCALE, surface="smooth")
+    found = _measured(image)
     assert found.gross_area < 0.95 * _AREA
     assert "edge_hidden" in found.flags
     assert abs(found.gross_area - _AREA) < 2.5 * found.gross_area_std
-    beside = measure_contact_image(image, _SCALE, surface="smooth", background=ground + window)
+    beside = _measured(image, background=ground + window)
     assert beside.gross_area == pytest.approx(_AREA, rel=0.02)
 
 
 @pytest.mark.parametrize("level", [0, 255])
 def test_an_even_border_that_was_added_is_no_contact(level):
     image, _ = _picture(contrast=-60.0)
-    found = measure_contact_image(np.pad(image, 60, constant_values=level), _SCALE, surface="smooth")
+    found = _measured(np.pad(image, 60, constant_values=level))
     assert found.flags == ()
     assert found.gross_area == pytest.approx(_AREA, rel=0.005)
     assert found.centroid == pytest.approx(np.add(_CENTRE, 60), abs=0.7)
@@ -127,7 +127,7 @@ def test_a_cut_out_on_even_ground_is_cut():
     image, _, _ = _uneven(0.04, shift=1.0)
     rows, columns = np.mgrid[:240, :260]
     image[np.hypot(rows - 120, columns - 130) > 50] = 10
-    assert "touches_border" in measure_contact_image(image, _SCALE, surface="smooth").flags
+    assert "touches_border" in _measured(image).flags
 
 
 @pytest.mark.parametrize("with_background", [True, False])
@@ -135,13 +135,8 @@ def test_the_body_around_a_contact_is_a_doubt(with_background):
     image, ground = _picture(contrast=-60.0, size=0.5)
     rows, columns = np.mgrid[:240, :260]
     body = np.hypot(rows - _CENTRE[0], columns - _CENTRE[1]) < 80
-    found = measure_contact_image(
-        np.where(body, 0.7 * image, image),
-        _SCALE,
-        surface="smooth",
-        background=ground if with_background else None,
-    )
-    true = 0.25 * _AREA
+    seen, true = np.where(body, 0.7 * image, image), 0.25 * _AREA
+    found = _measured(seen, background=ground if with_background else None)
     assert "edge_unclear" in found.flags or found.gross_area == pytest.approx(true, rel=0.03)
 
 
@@ -150,7 +145,7 @@ def test_a_film_round_a_contact_is_no_contact(film_px, contrast):
     image, ground = _picture(contrast=contrast)
     size = 1 + film_px / math.sqrt(math.prod(_AXES))
     film, none = (picture.astype(float) for picture in _picture(contrast=-80 - contrast, size=size))
-    found = measure_contact_image(image + film - none, _SCALE, surface="smooth", background=ground)
+    found = _measured(image + film - none, background=ground)
     assert "edge_unclear" in found.flags
     assert abs(found.gross_area - _AREA) < 1.96 * found.gross_area_std
     assert found.gross_area == pytest.approx(_AREA, rel=0.03)
@@ -162,7 +157,7 @@ def test_the_bright_rim_of_a_film_is_no_fringe():
     for contrast, size, less in ((-45.0, inner, 0.0), (80.0, outer, inner)):
         ring, none = (_picture(contrast=contrast, size=each)[0].astype(float) for each in (size, less))
         image = image + ring - none
-    found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)
+    found = _measured(image, background=ground)
     assert "edge_unclear" in found.flags
     assert found.gross_area == pytest.approx(_AREA, rel=0.03)
 
@@ -173,21 +168,13 @@ def test_a_step_so_wide_that_it_may_hide_a_film_is_less_certain():
         picture.astype(float)
         for picture in _picture(contrast=-45.0, size=1 + 4.0 / math.sqrt(math.prod(_AXES)))
     )
-    found = measure_contact_image(image + film - none, _SCALE, surface="smooth", background=ground)
+    found = _measured(image + film - none, background=ground)
     assert abs(found.gross_area - _AREA) < 1.5 * found.gross_area_std
-
-
-def test_a_grey_background_of_a_colour_picture_is_named_where_only_colours_show_the_contact():
-    _, ground = _picture(contrast=0.0, contact=False)
-    lift = np.subtract(*(each.astype(float) for each in _picture(contrast=40.0)))
-    colours = np.stack([ground + lift, ground - lift / 2, ground - lift / 2], axis=-1).clip(0, 255)
-    with pytest.raises(ImageError, match="both in colour"):
-        measure_contact_image(colours, _SCALE, surface="smooth", background=ground)
 
 
 def test_all_that_concerns_ridges_is_empty():
     image, ground = _picture()
-    found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)
+    found = _measured(image, background=ground)
     record = found.as_record()
     assert found.surface == "smooth"
     for name in ("ridge_area_mm2", "ridge_area_mm2_std", "ridge_border_mm", "ridge_period_mm"):
@@ -200,15 +187,17 @@ def test_all_that_concerns_ridges_is_empty():
 
 
 def test_colours_show_a_contact_that_grey_levels_do_not():
-    _, ground = _picture(contrast=0.0, contact=False)
-    contact, _ = (each.astype(float) for each in _picture(contrast=40.0))
+    """A grey background is refused by name where only colours show the contact."""
+    contact, ground = (each.astype(float) for each in _picture(contrast=40.0))
     lift = contact - ground
     colours = np.stack([ground + lift, ground - lift / 2, ground - lift / 2], axis=-1).clip(0, 255)
     plain = np.stack([ground] * 3, axis=-1)
-    found = measure_contact_image(colours, _SCALE, surface="smooth", background=plain)
+    found = _measured(colours, background=plain)
     assert abs(found.gross_area / _AREA - 1) < 0.02
     drawn = draw_overlay(colours.astype(np.uint8), found)
     assert drawn[0, 0] == pytest.approx(colours[0, 0], abs=3)
+    with pytest.raises(ImageError, match="both in colour"):
+        _measured(colours, background=ground)
 
 
 def test_a_picture_without_a_contact_is_refused_and_can_be_drawn():
@@ -237,7 +226,7 @@ def test_a_manual_edit_moves_the_outline_and_is_flagged():
 def test_levels_from_0_to_1_give_the_same_area_under_another_exposure():
     image, ground = _picture()
     found = [
-        measure_contact_image(picture, _SCALE, surface="smooth", background=light).gross_area
+        _measured(picture, background=light).gross_area
         for picture, light in ((image, ground // 2), (image / 255, (ground // 2) / 255))
     ]
     assert found[1] == pytest.approx(found[0], rel=1e-6)
@@ -249,14 +238,14 @@ def test_a_saturated_ground_is_not_taken_for_cut_out(bits):
     top = 2**bits - 1
     brightest = np.where(cv2.medianBlur(image, 7) > 58, 1.0, image / 80)  # but for the contact
     levels = np.round(cv2.GaussianBlur(brightest, (0, 0), 0.5) * top).astype(np.uint16)
-    found = measure_contact_image(levels, _SCALE, surface="smooth")
+    found = _measured(levels)
     assert found.gross_area == pytest.approx(_AREA, rel=0.05)
     assert "touches_border" not in found.flags
 
 
 def test_a_contact_at_the_frame_is_flagged():
     image, ground = _picture()
-    found = measure_contact_image(image[100:], _SCALE, surface="smooth", background=ground[100:])
+    found = _measured(image[100:], background=ground[100:])
     assert "touches_border" in found.flags
 
 
@@ -275,7 +264,7 @@ def test_a_contact_at_the_frame_is_flagged():
 def test_options_that_do_not_fit_are_refused(options, words):
     image, _ = _picture()
     with pytest.raises(ImageError, match=words):
-        measure_contact_image(image, _SCALE, surface="smooth", **options)
+        _measured(image, **options)
 
 
 _SIZES = [0.0, 0.0, 0.4, 0.6, 0.8, 1.0, 1.0, 1.0, 0.7]
