@@ -124,7 +124,9 @@ def test_photographs_measured_with_one_scale_share_its_error():
     ],
 )
 def test_bias_and_coverage(names, std, scale_std):
-    found = pooling.faces(names, np.broadcast_to(std, 3)[: len(names)], scale_std, repeats=1000)
+    found = pooling.score(
+        pooling.faces, names, np.broadcast_to(std, 3)[: len(names)], scale_std, repeats=1000
+    )
     assert (np.abs(found.bias) < 0.1).all()
     assert (found.covered > 0.93).all()
     assert (found.covered < 0.97).all()

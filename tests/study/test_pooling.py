@@ -317,7 +317,7 @@ def test_an_edge_further_out_makes_the_exponent_smaller():
 
 @pytest.mark.nightly
 def test_radii_pooled_over_contacts_are_unbiased_and_their_intervals_hold():
-    found = pooling.contacts(5, 0.03, 0.39, repeats=400)
+    found = pooling.score(pooling.contacts, 5, 0.03, 0.39, repeats=400)
     assert (np.abs(found.bias) < 0.15).all()  # known to 0.04
     assert ((found.covered > 0.92) & (found.covered < 0.98)).all()
 
