@@ -496,16 +496,6 @@ def test_two_commands_from_prints_to_area_against_load(run_example: Path, tmp_pa
     assert np.all(np.abs(by_load["contact_area_mm2"] / [46.39, 73.64, 116.9] - 1) < 0.03)
 
 
-def test_run_reports_failures_and_continues(run_example: Path, tmp_path: Path) -> None:
-    study = Path(shutil.copytree(run_example, tmp_path / "study"))
-    (study / "contact_1N.png").write_bytes(b"\x89PNG")
-    code, stdout, err = run("run", study)  # what is stored there is not measured again
-    assert code == 3
-    assert "failed: contact_1N: contact_1N.png" in err
-    assert "synthetic_pad, 30° (synthetic): modulus " in stdout
-    assert "contact_1N" in (study / "results" / "report.html").read_text(encoding="utf-8")
-
-
 def test_overlay_names_do_not_collide(tmp_path: Path) -> None:
     pixels = render_contact_image(seed=4).pixels
     files = [tmp_path / name for name in ("1/x.png", "2/x.png", "2/x_overlay.png")]
@@ -583,8 +573,10 @@ def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:
     for name, shown in (("coarse", pixels), ("empty", np.zeros_like(pixels))):
         Image.fromarray(shown).save(tmp_path / f"{name}.png")
     write_study(tmp_path, pad, *(picture(n, f"{n}.png", 1, scale={"ppi": 50}) for n in ("coarse", "empty")))
-    code, out, _ = run("run", study)
+    code, out, err = run("run", study)
     assert code == 3
+    assert "failed: empty: no contact found: every pixel has the same level" in err
+    assert "empty.png" in (tmp_path / "results" / "report.html").read_text(encoding="utf-8")
     assert re.search(r"^f, 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)
     assert "f, 30°: no modulus and no corrected radius, as none of 1 contact counts.\n" in out
     assert run("status", study)[1].endswith("failed: empty\n")

@@ -172,12 +172,6 @@ def test_table_and_words(law, folder) -> None:
         assert part in words
 
 
-@pytest.mark.parametrize("thickness", [0.1, math.inf])
-def test_thickness_that_the_mesh_cannot_take(thickness) -> None:
-    with pytest.raises(fp.FingerpadError, match="thickness must be finite and at least"):
-        layer_mesh(PLACE, thickness)
-
-
 def test_without_meshio_nothing_is_written(law, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "meshio", None)
     with pytest.raises(

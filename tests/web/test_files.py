@@ -130,10 +130,6 @@ def test_sequences_and_images_are_distinguished(client, shape, described):
     assert described.items() <= upload(client, "press.tif", file.getvalue()).json().items()
 
 
-def test_columns_of_a_table_are_listed(client):
-    assert upload(client, "f.csv", b"time_s, force_N\n0,1\n").json()["columns"] == ["time_s", "force_N"]
-
-
 def test_only_unused_uploads_are_removed(client, studies_folder):
     file = upload(client, "a.png", png()).json()["file"]
     for name, status in (

@@ -9,7 +9,8 @@ from tests.workbooks import workbook
 
 
 def test_identity_of_a_file(client) -> None:
-    upload(client, "IMG_1.csv", b"time_s,force_N,displacement_mm\n0,0,0\n")
+    record = upload(client, "IMG_1.csv", b"time_s, force_N,displacement_mm\n0,0,0\n").json()
+    assert record["columns"] == ["time_s", "force_N", "displacement_mm"]
     found = client.ask("files/identity", file="uploads/IMG_1.csv")
     assert (found["uses"][0], found["sure"], found["scales"]) == ("curve", True, {})
     record = upload(client, "IMG_2.mat", mat(time_s=[0, 1], force_N=[0, 2])).json()
