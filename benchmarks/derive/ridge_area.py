@@ -84,7 +84,7 @@ def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
 
 _OF = "error of the ridge area inside the outline, as a share"
 _PLACES = "reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain"
-_EFFECTS = "level_std", "by_grain", "least_std", "by_rim", "by_fade", "by_moisture"
+_EFFECTS = "level_std", "by_grain", "least_std", "by_rim", "by_fade", "by_moisture", "by_thinness"
 _OF_LEVEL = dict.fromkeys(("direction", "sample"), "choice: the area hardly depends on it") | {
     "filled": "choice: midway between the sets, which differ by pores and sweat",
     "near_half": "choice: the width of a numerical derivative",
@@ -96,6 +96,7 @@ _OF_ERROR = {
     "usual_grain": "choice: where by_grain begins",
     "dry_share": "choice: where by_moisture begins",
     "wet_share": "choice: where by_moisture ends",
+    "thin_share": "choice: where by_thinness begins",
     "most_grain": "choice: where by_grain ends, as beyond the sets of images only real prints have more",
     "at_rim": "no error inside a given outline depends on it",
 }

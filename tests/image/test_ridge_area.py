@@ -39,6 +39,11 @@ def test_more_ridge_than_dry_skin_shows_is_flagged_and_less_certain() -> None:
     assert many.ridge_area_std / many.ridge_area > 0.1 > 3 * usual.ridge_area_std / usual.ridge_area
 
 
+def test_few_narrow_ridges_have_a_less_certain_area() -> None:
+    usual, few = measured_stripes(0.45), measured_stripes(0.25)
+    assert few.ridge_area_std / few.ridge_area > 0.1 > 3 * usual.ridge_area_std / usual.ridge_area
+
+
 def test_without_resolved_ridges_no_border_is_known() -> None:
     y, x = np.mgrid[-140:140, -120:120]
     pixels = np.where((y / 100) ** 2 + (x / 80) ** 2 < 1, 60.0, 220.0)

@@ -108,6 +108,8 @@ class RidgeAreaError:
     by_moisture: float = 2.5  # by the share of ridges above that of dry ones: sweat or ink may fill valleys
     dry_share: float = 0.54  # of the contact that dry ridges fill
     wet_share: float = 0.58  # more than that tells no more
+    by_thinness: float = 1.5  # by the share of ridges below this: blur takes narrow ones, or widens them
+    thin_share: float = 0.34  # of the contact
 
     at_rim: float = 0.5  # how much of a strip at the outline is ridge, relative to the interior
 

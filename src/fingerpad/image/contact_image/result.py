@@ -336,6 +336,7 @@ def _ridge_area_std(edge: Edge, ridges: RidgeMap, known: float, gross_area: floa
         RIDGE_AREA.by_rim * edge.signs.cover**2,
         RIDGE_AREA.by_fade * min(max(0.0, fade), RIDGE_AREA.most_fade),
         RIDGE_AREA.by_moisture * max(0.0, min(share, RIDGE_AREA.wet_share) - RIDGE_AREA.dry_share),
+        RIDGE_AREA.by_thinness * max(0.0, RIDGE_AREA.thin_share - share),
     )
 
 
