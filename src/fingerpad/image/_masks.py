@@ -67,14 +67,11 @@ def disk(radius: float) -> UInt8:
 
 
 def sample(
-    image: npt.NDArray[Any],
-    points: FloatArray,
-    interpolation: int = cv2.INTER_LINEAR,
-    border: int = cv2.BORDER_REPLICATE,
+    image: npt.NDArray[Any], points: FloatArray, interpolation: int = cv2.INTER_LINEAR
 ) -> npt.NDArray[Any]:
     """Return the levels of an image at points (x, y), (rows, columns, 2)."""
     x, y = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
-    return cv2.remap(image, x, y, interpolation, borderMode=border)
+    return cv2.remap(image, x, y, interpolation, borderMode=cv2.BORDER_REPLICATE)
 
 
 def distance_to(mask: BoolArray) -> Float32Array:

@@ -112,17 +112,7 @@ class Coin(Displayed):
         return math.acos(min(1.0, self.semi_minor / self.semi_major))
 
     def scale(self, diameter_mm: float, diameter_mm_std: float = 0.0) -> Scale:
-        """Return the scale of the picture, in the plane of the coin.
-
-        Parameters
-        ----------
-        diameter_mm, diameter_mm_std : float
-            Diameter of the coin and its standard uncertainty, mm.
-
-        Returns
-        -------
-        Scale
-        """
+        """Return the scale in the plane of the coin, from its diameter and the standard uncertainty, mm."""
         # What lies in the coin's plane is shortened across the tilt too, and its area as much.
         shortened = self.semi_major - self.semi_minor if "coin_tilted" in self.flags else 0.0
         own_std = 2 * math.hypot(self.semi_major_std, shortened / 2)

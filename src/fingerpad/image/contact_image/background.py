@@ -1,7 +1,6 @@
 """What is no contact: an even border round the picture, and the ground with its uneven light."""
 
 import math
-from functools import lru_cache
 from typing import Final
 
 import cv2
@@ -157,7 +156,10 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
     chosen = rim.copy()
     chosen.flat[quiet] = True
     at_rim = rim[chosen]
-    whole = _terms_of_grid(means.shape)
+    y, x = (
+        grid.ravel() for grid in np.meshgrid(*(np.linspace(-1, 1, n) for n in means.shape), indexing="ij")
+    )
+    whole = quadratic_terms(x, y).T
     terms = whole[:, chosen.ravel()]
     level = means[chosen].astype(np.float64)
     surface = np.array([quantile(level, 0.2), 0, 0, 0, 0, 0])
@@ -167,13 +169,6 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
         surface = np.linalg.solve(weighted @ terms.T + _TINY, weighted @ level)
     return as_float32(surface @ whole).reshape(means.shape)
-
-
-@lru_cache(maxsize=8)
-def _terms_of_grid(shape: tuple[int, int]) -> FloatArray:
-    """Return the terms of a surface of second degree over a picture, (6, n), to read only."""
-    y, x = (grid.ravel() for grid in np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij"))
-    return np.asarray(quadratic_terms(x, y).T)
 
 
 def quantile(values: FloatArray | Float32Array, share: float) -> float:

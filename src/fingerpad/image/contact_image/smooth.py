@@ -507,7 +507,7 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     far = max(6.0, reach * radius)
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
-    levels = _levels_across(points, signal, across)
+    levels = profiles(signal, points, outward_normals(points), across, math.nan).T  # a row for each point
     seen = np.isfinite(levels).mean(axis=0) > 0.3
     if not seen.all():
         across, levels = across[seen], levels[:, seen]
@@ -581,19 +581,15 @@ def _step_across(points: FloatArray, signal: Float32Array, sign: int, reach: flo
     )
 
 
-def _levels_across(points: FloatArray, signal: Float32Array, across: FloatArray) -> Float32Array:
-    """Return the levels across an outline, a row for each point; NaN beyond the picture."""
-    return as_float32(profiles(signal, points, outward_normals(points), across, math.nan).T)
-
-
 def _reflected_bend(step: Step, signal: Float32Array) -> float:
     """Return how little the outline bends where a reflection may lie over the edge, times the radius.
 
     There the picture steps once more beyond it. An outline that follows the side of a reflection in place of
     the edge is straight or has a dent.
     """
-    levels = _levels_across(step.points, signal, step.radius * np.linspace(*_BEYOND, 40))
-    spread = np.subtract(*np.percentile(levels, (95, 5), axis=1))  # NaN where the picture ends
+    out = step.radius * np.linspace(*_BEYOND, 40)
+    levels = profiles(signal, step.points, outward_normals(step.points), out, math.nan)
+    spread = np.subtract(*np.percentile(levels, (95, 5), axis=0))  # NaN where the picture ends
     if not np.isfinite(spread).any():
         return math.inf
     reflected = spread > np.nanmedian(spread) + SMOOTH.beyond * step.height

@@ -128,13 +128,7 @@ class PhotographFit(Displayed):
         return record_text(f"Photograph of the {self.face} face", {**numbers, "flags": self.flags})
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units.
-
-        Returns
-        -------
-        dict
-            For tables and scripts.
-        """
+        """Return the numbers by names that end in units, for tables and scripts."""
         return {
             "semi_axes_mm": self.semi_axes_mm,
             "semi_axes_mm_std": self.semi_axes_mm_std,

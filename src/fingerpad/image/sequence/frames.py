@@ -105,19 +105,9 @@ class Frames(Displayed):
         return self.between(0, self.count)
 
     def between(self, start: int, stop: int) -> Generator[Frame, None, None]:
-        """Iterate over frames.
+        """Yield the frames from `start` up to `stop`, excluded, in order.
 
         A folder or a TIFF is entered at `start`; a video must be decoded up to there.
-
-        Parameters
-        ----------
-        start, stop : int
-            First frame, and the frame after the last.
-
-        Yields
-        ------
-        Frame
-            In order.
         """
         shape = None
         if start:
@@ -133,22 +123,7 @@ class Frames(Displayed):
                 yield frame
 
     def at(self, index: int) -> Frame:
-        """Decode one frame.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from zero.
-
-        Returns
-        -------
-        Frame
-
-        Raises
-        ------
-        ImageError
-            If there is no such frame.
-        """
+        """Decode the frame of a number, counted from zero; one that is not there is an `ImageError`."""
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
         with closing(self._decode(index, index + 1)) as frames:
