@@ -174,6 +174,7 @@ def test_what_to_measure_better_stands_on_the_first_page(demo, tmp_path):
     assert "take more contacts" in ellipse
     assert "loading curve" not in ellipse
     assert "press again" not in ellipse
+    assert "the repeats are too few to tell" in said("few", 0, 0.3, loading, repeats=2)
     (tmp_path / "failed").mkdir()
     (tmp_path / "failed" / "short.csv").write_text("force_N,displacement_mm\n0,0\n1,1\n")
     failed = said("failed", 0, 0.01, curve(file="short.csv"))

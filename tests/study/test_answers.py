@@ -41,7 +41,7 @@ def test_bone_that_nobody_stated_is_said_to_be_unknown(tmp_path):
 def test_modulus_is_that_on_bone_where_the_thickness_is_stated(tmp_path):
     found = answer(tmp_path, THICK, press(1, 6.0), press())  # under the highest load
     without = answer(tmp_path, finger(), press())
-    assert " kPa (2 N) on its bone (layer fails: shape +" in found.sentence
+    assert " kPa (2 N) on its bone (layer fails: aspect ratio +" in found.sentence
     assert found.on_bone
     assert found.modulus < without.modulus
     assert (found.area, found.load) == (pytest.approx(math.pi * 7.4 * 5.0), 2)

@@ -185,7 +185,7 @@ def test_a_curve_that_tells_the_layer_says_how_to_state_it(on_layer):
     said, said_of_stated = ("\n".join(doubtful_results(one)) for one in (bare, stated))
     assert keys in said
     assert keys not in said_of_stated
-    assert "E of the layer fitted beside it" in said_of_stated
+    assert "believe the layer's E" in said_of_stated
     assert "semi-axes" not in said + said_of_stated
 
 

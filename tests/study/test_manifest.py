@@ -296,6 +296,11 @@ WEDGES = [("f", 30), ("f", 30.4), ("f", 45), ("g", 30), ("g", 31), ("h", 30.4), 
             "a and 1 more: less than 1.6°: is wedge_angle_deg in radians, not degrees?",
         ),
         ((finger(), contact("heavy", 100), contact("flat", 0.5, wedge=0)), ""),
+        (
+            (finger(), contact("a", 2, (7.41, 5)), contact("b", 2, (7.41, 5)), contact("c", 1, (7.41, 5))),
+            "a and b: the same ellipse_mm to the last digit: is a press entered twice?",
+        ),
+        ((finger(), contact("a", 2, (7.4, 5)), contact("b", 2, (7.4, 5))), ""),
     ],
 )
 def test_what_may_be_meant_otherwise_is_named(tables, doubt):

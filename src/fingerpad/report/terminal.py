@@ -41,7 +41,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         values, means = found.of(name)
         over_people = (_mean_cells(mean) for mean in means if len(mean.people) > 1)
         if values:
-            yield f"{name}: {kind.words}"
+            yield f"{name}: {kind.words}{kind.unit and f', {kind.unit}'}"
             yield from aligned([*map(_value_cells, values), *over_people], "  ")
     if found.verdicts:
         yield "validity: whether the model holds, and which checks say so"
@@ -74,7 +74,7 @@ def _value_cells(value: Value) -> tuple[str, str, str]:
 
 def _mean_cells(mean: Mean) -> tuple[str, str, str]:
     low, high = mean.interval or (math.nan, math.nan)
-    words = f"{_words(mean)}  95 %: {low:.4g} to {high:.4g}, between people {mean.between_people_std:.2g}"
+    words = f"{_words(mean)}  95 %: {low:.3g} to {high:.3g}, between people {mean.between_people_std:.2g}"
     at = "" if mean.load is None else f" at {mean.load:g} N"
     label = "  (synthetic)" if mean.synthetic else ""
     return f"mean of {len(mean.people)} people{at}{label}", _place(mean), words

@@ -36,6 +36,7 @@ from fingerpad.study.results.validity.model_checks import (
     RADIUS,
     STRAINED,
 )
+from fingerpad.uncertainty.scatter import MIN_REPEAT_FREEDOM
 from fingerpad.units import KPA_PER_MPA
 
 # They differ in shades of grey too.
@@ -202,10 +203,10 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
         named = joined(bare, _MOST_NAMED)
         yield f"state the thickness of the tissue over bone of {named}, where Hertz theory is off"
     yield from _to_test_better(result.curves, [summary for summary, _ in placed])
-    if not result.repeatability[synthetic].known:
-        yield (
-            "press again under one load, four times or more: no ± holds what another impression would change"
-        )
+    repeats = result.repeatability[synthetic]
+    if repeats.freedom < MIN_REPEAT_FREEDOM:
+        few = "the repeats are too few to tell" if repeats.known else "no ± holds"
+        yield (f"press again under one load, four times or more: {few} what another impression would change")
     shares: Counter[str] = Counter()
     for summary, _ in placed:
         if summary.corrected_radius is not None:
@@ -490,7 +491,7 @@ def _curve_flags(curve: CurveResult, result: StudyResult) -> Iterator[Flag]:
         if curve.layer is not None and (said := beside_a_layer(flag)) != flag:
             thick = result.fingers[curve.manifest.finger].manifest.effective_thickness_mm is not None
             state = "" if thick else _thickness_keys(curve.layer)
-            said = replace(said, to_do=state or "take E of the layer fitted beside it, where it tells one")
+            said = replace(said, to_do=state or curve.layer.advice)
         yield said
 
 

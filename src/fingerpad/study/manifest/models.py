@@ -678,11 +678,13 @@ class Study(ManifestModel):
             if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
                 yield f"{finger.name}: semi_axes_mm: {doubt}"
         yield from self._names_alike()
-        entered: dict[tuple[float, float], list[str]] = {}
-        for observation in self.observations:
-            if (ellipse := observation.ellipse_mm) and ellipse.semi_major != round(ellipse.semi_major, 2):
-                axes_mm = ellipse.semi_major, ellipse.semi_minor
-                entered.setdefault(axes_mm, []).append(observation.name)
+        entered: dict[tuple[object, ...], list[str]] = {}
+        for one in self.observations:
+            # Presses under one load may agree to a tenth of a millimetre by chance, others to a hundredth.
+            if (ellipse := one.ellipse_mm) and (axis := ellipse.semi_major) != round(axis, 1):
+                at = one.finger, one.wedge_angle_deg, one.roll_angle_deg, one.load_N
+                under = () if axis != round(axis, 2) else at
+                entered.setdefault((axis, ellipse.semi_minor, *under), []).append(one.name)
         if twice := [names for names in entered.values() if len(names) > 1]:
             others = f", and {len(twice) - 1} more of such" if len(twice) > 1 else ""
             words = f"{joined(twice[0], 3)}: the same ellipse_mm to the last digit{others}"

@@ -257,7 +257,10 @@ class Answer:
         elif not self.on_bone and off:
             # Of no use where loading data contradict the pad without bone more than that.
             pad = next(one for one in hertz.checks if one.check == model_checks.OF_PAD)
-            if pad.verdict == hertz.verdict and not math.isnan(pad.reference):
+            routes = {one.verdict for one in hertz.checks if one.check in model_checks.ROUTES.values()}
+            off_by_size = pad.verdict in {model_checks.STRAINED, model_checks.FAILS}
+            contradicted = model_checks.overall_verdict((*routes, pad.verdict)) != pad.verdict
+            if off_by_size and not contradicted and not math.isnan(pad.reference):
                 value = _quantity("for the whole pad", pad.reference, pad.reference_std, "kPa")
                 theory += f", {value}"
         modulus = _quantity("modulus", self.modulus, self.modulus_std, "kPa")
