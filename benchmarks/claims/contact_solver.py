@@ -125,19 +125,24 @@ def _window(points: int, radius: float) -> tuple[float, Array]:
     return width, _BALL.gap.height(along[:, None], along)
 
 
-def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
+def solved_by_tamaas(gap: Array, width: float, load: float, tolerance: float = 1e-8) -> tuple[Array, float]:
+    """Return the pressures on a square grid over the half-space under a gap, and the indentation."""
     tamaas.set_log_level(tamaas.LogLevel.error)
-    width, gap = _window(points, radius)
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, [points] * 2)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, list(gap.shape))
     model.E, model.nu = _MODULUS, 0.0
     tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
-    solver = tamaas.PolonskyKeerRey(model, -gap, 1e-8)
+    solver = tamaas.PolonskyKeerRey(model, -gap, tolerance)
     solver.setIntegralOperator("dcfft")
     solver.solve(load / width**2)
     pressure, displacement = np.array(model.traction), np.zeros(gap.shape)
     model.operators["dcfft"](pressure, displacement)
-    touching = pressure > 0
-    return float(touching.mean()) * width**2, float((displacement + gap)[touching].mean())
+    return pressure, float((displacement + gap)[pressure > 0].mean())
+
+
+def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
+    width, gap = _window(points, radius)
+    pressure, indentation = solved_by_tamaas(gap, width, load)
+    return float((pressure > 0).mean()) * width**2, indentation
 
 
 SOLVERS: dict[str, Solver] = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
