@@ -8,7 +8,7 @@
 ``derive``
     Constants of the library fitted again: ``python -m benchmarks.derive NAME``.
 ``robustness``
-    Damaged files, with which tests try the commands and the page, and mutants of the code.
+    Mutants of the code, to see what tests do not notice.
 ``truth``
     Simulators that share no model with the library. Tests use them too.
 """

@@ -1,1 +1,1 @@
-"""Damaged files, kills, full disks, and mutants of the code."""
+"""Mutants of the code."""

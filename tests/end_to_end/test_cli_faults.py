@@ -1,22 +1,29 @@
 """Whatever happens to a command: no traceback, no lost batch, an exit code that says what happened."""
 
 import json
+import random
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NoReturn
 
 import cv2
 import numpy as np
 import pytest
-from benchmarks.robustness.damaged_commands import try_commands
 from PIL import Image
 from tests import command
+from tests.damage import damaged
 from tests.studies import contact, finger, write_study
 
 import fingerpad.image
+from fingerpad import testing
+from fingerpad.report import write_report
 from fingerpad.simulate import render_contact_image
+from fingerpad.study.pipeline import run_study
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 SEQUENCE = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
@@ -237,8 +244,74 @@ def test_endless_files_refused(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_commands_answer_or_refuse(tmp_path):
-    found = try_commands(tmp_path, 15)
-    assert found.faults == []
-    outcomes = {outcome for _, outcome in found.counts}
-    assert outcomes == {"accepted", "refused"}
+# Damaged manifests and tables through the commands that read them
+
+
+PATIENCE_S = 120
+RESULTS = " ,Label,Major,Minor,Angle\n1,a_30deg_2N.png,300,200,90\n2,b_45deg_1N.png,280,210,80\n"
+ROWS = (
+    "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std\n"
+    "second,synthetic_pad,45,1,5,4,0.1\nthird,synthetic_pad,45,2,6,5,0.1\n"
+)
+DAMAGED = (
+    "demo/study.toml", "demo/observations.csv", "small/study.toml", "small/observations.csv", "Results.csv",
+    "small/curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv",
+)  # fmt: skip
+
+
+class TooLate(BaseException):
+    """A command took longer than it may."""
+
+
+@pytest.fixture
+def impatience() -> Iterator[None]:
+    """Raise where an alarm goes off."""
+
+    def too_late(*_: object) -> NoReturn:
+        raise TooLate
+
+    before = signal.signal(signal.SIGALRM, too_late)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def is_accepted(seed: int, *arguments: object) -> bool:
+    """Whether a command gives a result; one that does not refuses in words."""
+    signal.alarm(PATIENCE_S)
+    code, _, err = command.run(*arguments)
+    assert "this cannot be done (" not in err, (seed, arguments, err)
+    assert "Traceback" not in err, (seed, arguments, err)
+    assert code in {0, 3} or err.strip(), (seed, arguments)
+    return code in {0, 3}
+
+
+@pytest.mark.usefixtures("impatience")
+def test_commands_answer_or_refuse(tmp_path: Path) -> None:
+    demo, small, whole, out, none = (tmp_path / name for name in ("demo", "small", "whole", "out", "none"))
+    shutil.copytree(EXAMPLE, demo)
+    manifest = testing.write_study(small, loads=(1.0,)).path
+    manifest.write_text(f'observations_csv = "observations.csv"\n{manifest.read_text()}')
+    (small / "observations.csv").write_text(ROWS)
+    (tmp_path / "Results.csv").write_text(RESULTS)
+    run_study(small, whole, write_report=write_report)
+    originals, outcomes = {path: path.read_bytes() for path in map(tmp_path.joinpath, DAMAGED)}, set()
+    fiji = ("import", "fiji", tmp_path / "Results.csv", "--std-mm", 0.1, "--ppi", 500, "--out")
+    for seed in range(15):
+        rng = random.Random(seed)
+        for path, content in originals.items():
+            path.write_bytes(content if rng.random() < 0.6 else damaged(content, rng))
+        accepted = [
+            is_accepted(seed, "status", demo, "--out", none),
+            is_accepted(seed, "verify", small, "--out", whole),
+            is_accepted(seed, "compare", whole),
+            is_accepted(seed, *fiji, tmp_path / f"imported_{seed}.csv"),
+            is_accepted(seed, "status", small, "--out", none),
+        ]
+        outcomes |= {*accepted}
+        if accepted[-1] and not out.exists():
+            is_accepted(seed, "run", small, "--out", out)
+        if not seed:
+            is_accepted(seed, "fit", small / "curve.csv")
+    assert out.exists()
+    assert outcomes == {False, True}
