@@ -1,5 +1,7 @@
 """Monte Carlo against distributions known in closed form, its stopping rule, and the first order's check."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import scipy
@@ -15,6 +17,7 @@ from fingerpad.uncertainty import (
     placement_model,
     propagate,
     run_monte_carlo,
+    sobol_indices,
     validate_linear_approximation,
 )
 from fingerpad.uncertainty.models import indentation_model
@@ -102,3 +105,12 @@ def test_tolerance_is_half_a_unit_of_the_last_digit(digits: int, wanted: list[fl
     compared = validate_linear_approximation(propagate(scaled, NORMAL), simulated, digits=digits)
     assert_allclose([one.tolerance for one in compared.values()], wanted, rtol=1e-12)
     assert compared["exact"].valid
+
+
+def test_points_of_many_draws_are_not_kept() -> None:
+    inputs = Inputs.of(**dict.fromkeys("abcdefghij", (1.0, 0.1)))
+    tracemalloc.start()
+    sobol_indices(lambda **given: {"sum": sum(given.values())}, inputs, draws=2**14)
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert held < 2**21  # the eight sequences take 21 MB

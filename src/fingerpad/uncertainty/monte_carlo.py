@@ -25,6 +25,7 @@ from fingerpad.uncertainty.quantities import (
 _BATCH = 8192  # a power of two, which balances the points; about the 10 000 of GUM-S1 7.9.4
 _TAIL = 0.025
 _BITS = 30
+_MOST_KEPT = 2**18  # coordinates of a sequence that is kept for the next inputs: 2 MB
 _REPEATS = 8
 
 
@@ -140,17 +141,26 @@ def run_monte_carlo(
     return _combined(names, batches, draws, digits)
 
 
-@lru_cache(maxsize=32)
 def _normal_points(count: int, size: int, seed: int, number: int) -> FloatArray:
     """Return standard normal points of a Sobol' sequence with a scrambling of its own, shape (count, size).
 
-    They are kept: with one seed all contacts of a study have the same.
+    Few are kept: with one seed all contacts of a study have the same. They are to read only.
     """
+    draw = _drawn_once if count * size <= _MOST_KEPT else _drawn
+    return draw(count, size, seed, number)
+
+
+def _drawn(count: int, size: int, seed: int, number: int) -> FloatArray:
     from scipy.stats import qmc  # noqa: PLC0415 (slow to import, seldom needed)
 
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
     points = qmc.Sobol(size, bits=_BITS, rng=random).random(count)
-    return np.asarray(ndtri(points + 0.5**_BITS / 2))  # never 0, whose quantile is infinite
+    drawn = np.asarray(ndtri(points + 0.5**_BITS / 2))  # never 0, whose quantile is infinite
+    drawn.flags.writeable = False
+    return drawn
+
+
+_drawn_once = lru_cache(maxsize=32)(_drawn)
 
 
 def _batch_statistics(outputs: FloatArray) -> tuple[FloatArray, ...]:
