@@ -206,7 +206,7 @@ def to_measure_better(result: StudyResult) -> Iterator[str]:
     repeats = result.repeatability[synthetic]
     if repeats.freedom < MIN_REPEAT_FREEDOM:
         few = "the repeats are too few to tell" if repeats.known else "no ± holds"
-        yield (f"press again under one load, four times or more: {few} what another impression would change")
+        yield f"press again under one load, four times or more: {few} what another impression would change"
     shares: Counter[str] = Counter()
     for summary, _ in placed:
         if summary.corrected_radius is not None:

@@ -19,6 +19,7 @@ from fingerpad._words import counted
 from fingerpad.contact.fast_laws import law_form, plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.loading import LoadingFit
+from fingerpad.study.manifest.models import Finger
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, each_press_once, loading_radius
 from fingerpad.study.measuring.fingers import pad_placement
 from fingerpad.study.results import summary_file
@@ -276,6 +277,11 @@ class Shape(NamedTuple):
         return check.of_ratio(value, reference, degrees_of_freedom=self.freedom, note=note)
 
 
+def _thickness(finger: Finger) -> float | None:
+    """Return what is stated of the tissue's thickness, mm: the effective one before the pad's."""
+    return finger.effective_thickness_mm or finger.pad_thickness_mm
+
+
 def _elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
     # Another press under the same load has another shape.
     half = np.exp(0.5 * (inputs["elongation"] + inputs["elongation_deviation"]))
@@ -295,7 +301,7 @@ def _at_highest_loads(rows: Rows) -> dict[summary_file.PlacementKey, _Estimates]
     mean, covariance = (np.stack([getattr(one, name) for one in each]) for name in ("mean", "covariance"))
     inputs = replace(each[0], mean=mean, covariance=covariance)
     pads = [rows.fingers[finger].manifest for finger, *_ in highest]
-    thickness = np.array([one.effective_thickness_mm or one.pad_thickness_mm or math.inf for one in pads])
+    thickness = np.array([_thickness(one) or math.inf for one in pads])
     std = np.array([one.effective_thickness_mm_std or 0.0 for one in pads])
     found = {"shape": propagate(_elongations, inputs)}
     with np.errstate(all="ignore"):
@@ -334,8 +340,7 @@ def _measured_shape(case: FingerAtAngle) -> Shape | None:
 
 def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
-    row, stated = case.highest_row, case.pad.manifest
-    thickness = stated.effective_thickness_mm or stated.pad_thickness_mm
+    row, thickness = case.highest_row, _thickness(case.pad.manifest)
     for kind in ("half_space", "layer"):
         checks = {name: CHECKS[f"{name.rsplit('_', 1)[0]}_on_{kind}"] for name in (MODULUS, INDENTATION)}
         if row is None or (kind == "layer" and thickness is None):
